@@ -15,7 +15,7 @@ from plcgen.scl.dialect import Dialect
 from plcgen.scl.lexer import Tokens, tokenize
 from plcgen.scl.parser import ParseResult, parse
 from plcgen.simaticml.reading.documents import read_simaticml
-from plcgen.simaticml.reading.source import KEYWORDS, SUFFIXES, source
+from plcgen.simaticml.reading.source import KEYWORDS, SUFFIXES, is_array_db, source
 from plcgen.simaticml.versions import VERSIONS
 from plcgen.simaticml.writing.documents import Setting, document, library_element
 from plcgen.simaticml.writing.scope import BlockScope
@@ -136,7 +136,7 @@ def _read(files: Sequence[SourceFile], found: Converted, *, classic: bool, encod
         if file.path.suffix.lower() in _SYMBOLS:
             continue
         if file.is_xml:
-            blocks, problems = read_simaticml(file.path, classic=classic or None, constants=constants)
+            blocks, problems = read_simaticml(file.path, classic=classic or None, constants=constants, inline=False)
             if not blocks and file.listed and all(problem.code == "PG812" for problem in problems):
                 continue  # another kind of document that lies in the folder
             problems = [problem for problem in problems if problem.code != "PG814"]
@@ -215,12 +215,7 @@ def _to_text(block: Block, place: Span, types: dict[str, Block], found: Converte
         message = f'{block.kind} "{block.name}" has no SCL code: it is not converted'
         found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
         return None
-    if block.kind is not BlockKind.DB and block.assignments:
-        first, more = block.assignments[0].path, len(block.assignments) - 1
-        message = f'{block.kind} "{block.name}": the start value of {first} is not converted'
-        message += f", nor those of {more} more members" if more else ""
-        help_ = "a source has no place for values of single elements and inside of user types, except in data blocks"
-        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING, help=help_))
+    found.diagnostics += _lost_in_text(block, place)
     text = source(block, types)
     problem = _wrong(text, block)
     if problem:
@@ -228,6 +223,24 @@ def _to_text(block: Block, place: Span, types: dict[str, Block], found: Converte
         found.diagnostics.append(Diagnostic("PG812", message, place))
         return None
     return RenderedFile(file_name(block.name) + SUFFIXES[block.kind], text.encode("utf-8-sig", "replace"))
+
+
+def _lost_in_text(block: Block, place: Span) -> Iterator[Diagnostic]:
+    """What of a document does not get into a source: single start values outside of data blocks, the event of an OB."""
+    if block.assignments and (block.kind is not BlockKind.DB or is_array_db(block)):
+        first, more = block.assignments[0].path, len(block.assignments) - 1
+        message = f'{block.kind} "{block.name}": the start value of {first} is not converted'
+        message += f", nor those of {more} more members" if more else ""
+        help_ = "values of single elements and inside of other types are written in data blocks only: add them by hand"
+        yield Diagnostic("PG815", message, place, Severity.WARNING, help=help_)
+    elif is_array_db(block) and block.members[0].start is not None:
+        message = f'{block.kind} "{block.name}": its start values are not converted'
+        yield Diagnostic("PG815", message, place, Severity.WARNING, help="add them by hand after the import")
+    event = block.attributes.get("SecondaryType")
+    if event:
+        message = f'{block.kind} "{block.name}": that its event is {event} is not converted'
+        help_ = "a source has no words for it: check the OB in the TIA Portal after the import"
+        yield Diagnostic("PG815", message, place, Severity.WARNING, help=help_)
 
 
 def _wrong(text: str, block: Block) -> str:
@@ -245,6 +258,10 @@ def _to_document(
     block: Block, place: Span, types: dict[str, Block], read: _Sources, setting: Setting, found: Converted
 ) -> RenderedFile | None:
     code = ""
+    if is_array_db(block):
+        message = f'{block.kind} "{block.name}" is one array: documents of array DBs are not written, it is left out'
+        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
+        return None
     if block.kind in _CODE:
         if block.code is None:
             message = f'{block.kind} "{block.name}" has no SCL code: it is not converted'
@@ -254,9 +271,13 @@ def _to_document(
         unknown: dict[str, tuple[int, int]] = {}
         tokens = tokenize(block.code, str(place.file))
         code = numbered(elements(tokens, 0, len(block.code), scope, setting, unknown))
-        for called, (begin, stop) in unknown.items():
-            message = f'{block.kind} "{block.name}" calls {called}: whether that is an FC or an instance is not known'
-            help_ = "name the source of the FC, or those of the instance and of its function block, too"
+        for what, (begin, stop) in unknown.items():
+            message = f'{block.kind} "{block.name}" {what}'
+            help_ = (
+                "name the source of the FC, or those of the instance and of its function block, too"
+                if what.startswith("calls")
+                else "how a document says that is not known here: import the block as a source"
+            )
             whole, first = read.codes.get(place, (None, 0))
             there = place if whole is None else whole.span(first + begin, first + stop)
             found.diagnostics.append(Diagnostic("PG815", message, there, Severity.ERROR, help=help_))
@@ -267,6 +288,10 @@ def _to_document(
         if made is None:
             return None
         block = made
+    if block.kind is BlockKind.OB and block.number is None and block.name.upper() != "MAIN":
+        message = f'{block.kind} "{block.name}": its event is not known, it is written as ProgramCycle'
+        help_ = "correct SecondaryType in the document if it is another one"
+        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING, help=help_))
     text, lost = document(block, setting, code, types)
     if is_retentive(block) and (block.instance_of or not block.members):
         message = f'{block.kind} "{block.name}": that it is retentive is not converted'

@@ -10,9 +10,8 @@ from types import MappingProxyType
 from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind, is_retentive
 from plcgen.s7.names import is_identifier
 from plcgen.s7.types import ArrayType, Member, StructType, innermost
-from plcgen.scl import lexer
-from plcgen.simaticml.datatypes import datatype, default_literal
-from plcgen.simaticml.writing.documents import INSTRUCTION, LIBRARY_VERSION, library_element
+from plcgen.simaticml.datatypes import BREAKS, datatype, declared_name, default_literal
+from plcgen.simaticml.writing.documents import INSTRUCTION, LIBRARY_VERSION, SEEN_BY_OPC_UA, library_element
 from plcgen.simaticml.writing.starts import Path, Starts, single_values
 
 SUFFIXES = MappingProxyType(
@@ -32,8 +31,8 @@ _SECTIONS = {
 }  # fmt: skip
 _LIBRARY = (INSTRUCTION, LIBRARY_VERSION)
 _PROPERTIES = ("AUTHOR", "FAMILY", "NAME", "VERSION")
-_BREAKS = re.compile(r"[\r\n\x0b\x0c\x1c-\x1e\x85\u2028\u2029]+")
 _DEFAULT_VERSION = "0.1"
+_NUMBER = re.compile(r"[0-9]+\.[0-9]+", re.ASCII)
 
 
 def source(block: Block, types: Mapping[str, Block] | None = None) -> str:
@@ -56,14 +55,15 @@ def source(block: Block, types: Mapping[str, Block] | None = None) -> str:
     return "\n".join([*lines, f"END_{keyword}", ""])
 
 
+def is_array_db(block: Block) -> bool:
+    """Whether a data block is one array and nothing else."""
+    members = block.members if block.kind is BlockKind.DB else ()
+    return len(members) == 1 and members[0].name == "THIS" and isinstance(members[0].type, ArrayType)
+
+
 def quoted(name: str) -> str:
     """A block name in quotes, on one line."""
-    return '"' + _BREAKS.sub(" ", name).replace('"', "_") + '"'
-
-
-def _plain(name: str) -> str:
-    """The name of a member, in quotes if it needs them."""
-    return name if is_identifier(name) and name.upper() not in lexer.KEYWORDS else quoted(name)
+    return '"' + BREAKS.sub(" ", name).replace('"', "_") + '"'
 
 
 def _value(text: str) -> str:
@@ -72,7 +72,7 @@ def _value(text: str) -> str:
 
 
 def _one_line(text: str) -> str:
-    return _BREAKS.sub(" ", text).strip()
+    return BREAKS.sub(" ", text).strip()
 
 
 def _result(block: Block) -> str:
@@ -87,16 +87,18 @@ def _header(block: Block) -> list[str]:
     pairs = [f"{name} := '{_value(block.attributes[name])}'" for name in _LIBRARY if name in block.attributes]
     if block.optimized is not None and block.kind is not BlockKind.UDT:
         pairs.append(f"S7_Optimized_Access := '{str(block.optimized).upper()}'")
+    if block.kind is BlockKind.DB and block.attributes.get(SEEN_BY_OPC_UA, "").lower() == "false":
+        pairs.append("DB_Accessible_From_OPC_UA := 'FALSE'")
     if pairs:
         lines.append(f"{{ {'; '.join(pairs)} }}")
     for name in _PROPERTIES:
         value = block.attributes.get(name) or (_DEFAULT_VERSION if name == "VERSION" else "")
         if value:
-            lines.append(f"{name} : {_one_line(value)}")
+            plain = is_identifier(value) or (name == "VERSION" and _NUMBER.fullmatch(value))
+            lines.append(f"{name} : {value}" if plain else f"{name} : '{_value(value)}'")
     if block.kind is BlockKind.DB and block.non_retain and not is_retentive(block):
         lines.append("NON_RETAIN")
-    if block.comment and block.kind is not BlockKind.UDT:
-        lines += [f"// {line}".rstrip() for line in _BREAKS.split(block.comment)]
+    lines += [f"// {line}".rstrip() for line in block.comment.splitlines()]
     return lines
 
 
@@ -129,9 +131,9 @@ def _member(member: Member, indent: int) -> Iterator[str]:
     pad = " " * indent
     pairs = "; ".join(f"{name} := '{_value(value)}'" for name, value in member.attributes)
     attributes = f" {{{pairs}}}" if pairs else ""
-    at = f" AT {_plain(member.at)}" if member.at else ""
+    at = f" AT {declared_name(member.at)}" if member.at else ""
     comment = f"  // {_one_line(member.comment)}" if member.comment else ""
-    head = f"{pad}{_plain(member.name)}{attributes}{at} : "
+    head = f"{pad}{declared_name(member.name)}{attributes}{at} : "
     inner = innermost(member.type)
     if isinstance(inner, StructType):
         dimensions = datatype(member.type).removesuffix("Struct")
@@ -152,9 +154,8 @@ def _data(block: Block, of: Block | None) -> Iterator[str]:
         yield "BEGIN"
         yield from _differences(block, of)
         return
-    members = block.section(SectionKind.STATIC)
-    if len(members) == 1 and members[0].name == "THIS" and isinstance(members[0].type, ArrayType):
-        yield f"  {datatype(members[0].type)};"
+    if is_array_db(block):
+        yield f"  {datatype(block.members[0].type)};"
         yield ""
         yield "BEGIN"
         return
@@ -183,7 +184,7 @@ def _body(groups: Sequence[Section], *, whole: bool) -> Iterator[str]:
 
 def _bare(member: Member, path: Path, assigned: list[Assignment]) -> Member:
     """A member whose array values stand behind BEGIN instead, one line each."""
-    here = (*path, _plain(member.name))
+    here = (*path, declared_name(member.name))
     if isinstance(member.type, StructType):
         inner = tuple(_bare(m, here, assigned) for m in member.type.members)
         return replace(member, type=StructType(inner))
@@ -211,6 +212,7 @@ def _differences(block: Block, of: Block | None) -> Iterator[str]:
 def _values(block: Block) -> dict[str, tuple[str, str]]:
     """Start values one by one with their paths, by path without quotes and case; assigned ones replace others."""
     members = (m for s in block.sections if s.kind is not SectionKind.CONSTANT for m in s.members)
-    found = [(".".join(_plain(name) + index for name, index in way), value) for way, value in single_values(members)]
+    singles = single_values(members)
+    found = [(".".join(declared_name(name) + index for name, index in way), value) for way, value in singles]
     found += [(_one_line(assignment.path), assignment.literal) for assignment in block.assignments]
     return {path.replace('"', "").upper(): (path, _one_line(literal)) for path, literal in found}

@@ -25,6 +25,9 @@ HEADER = {"AUTHOR": "HeaderAuthor", "FAMILY": "HeaderFamily", "NAME": "HeaderNam
 _STRUCTURES = "IEC_"
 """Names of timers and counters that are types: their data blocks have static members only."""
 
+SEEN_BY_OPC_UA = "DBAccessibleFromOPCUA"
+"""An attribute of data blocks whose default is true; sources of the TIA Portal call it DB_Accessible_From_OPC_UA."""
+
 INSTRUCTION, LIBRARY_VERSION = "InstructionName", "LibVersion"
 """What stands in braces at an instance of a library block."""
 
@@ -130,6 +133,9 @@ def _attributes(block: Block, kind: str, setting: Setting, interface: str, of: B
         for key, name in HEADER.items():
             if block.attributes.get(key):
                 texts[name] = block.attributes[key]
+    spelt = {name.replace("_", "").upper(): value for name, value in block.attributes.items()}
+    if block.kind is BlockKind.DB and spelt.get(SEEN_BY_OPC_UA.upper(), "").lower() == "false":
+        texts[SEEN_BY_OPC_UA] = "false"
     if not setting.classic and kind not in {"SW.Types.PlcStruct", "SW.Blocks.InstanceDB"}:
         texts["MemoryLayout"] = "Standard" if block.optimized is False else "Optimized"
     if code and not setting.classic:

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from plcgen.s7.blocks import Block, BlockKind, SectionKind, is_retentive
 from plcgen.s7.types import ArrayType, DataType, Elementary, Member, NamedType, StringType, StructType, innermost
-from plcgen.simaticml.datatypes import datatype
+from plcgen.simaticml.datatypes import REMANENCE, datatype
 from plcgen.simaticml.escape import attribute, content
 from plcgen.simaticml.writing.starts import Path, Starts, arrays
 
@@ -72,7 +72,8 @@ def _section(block: Block, section: SectionKind, kind: str, texts: TextsOf, star
     found = []
     for group in block.sections:
         if group.kind is section:
-            retain = whole or (group.retain == "RETAIN" and kind != "SW.Blocks.InstanceDB")
+            said = "RETAIN" if whole else group.retain
+            retain = "" if kind == "SW.Blocks.InstanceDB" else REMANENCE.get(said, "")
             found += [written_member(m, texts, starts if values else None, retain=retain) for m in group.members]
     return found
 
@@ -85,7 +86,7 @@ def written_member(
     pad: str = PAD,
     *,
     around: Sequence[ArrayType] = (),
-    retain: bool = False,
+    retain: str = "",
 ) -> str:
     """One Member with everything inside, a line each; ``around`` are the arrays that it lies in."""
     simple = declared.start is None or declared.start[0] not in "[("
@@ -114,7 +115,7 @@ def _leaf(
     attributes: tuple[tuple[str, str], ...],
     texts: tuple[tuple[str, str], ...],
     *,
-    retain: bool,
+    retain: str,
 ) -> str:
     """A member without members: the same ones occur in block after block."""
     declared = Member(name, type_, start, comment, at, None, attributes)
@@ -129,7 +130,7 @@ def _member(
     pad: str,
     around: Sequence[ArrayType],
     *,
-    retain: bool,
+    retain: str,
 ) -> str:
     name = declared.name
     here = (*path, name.upper())
@@ -138,7 +139,7 @@ def _member(
     version, pairs = _attributes(declared)
     head = f'{pad}<Member Name="{attribute(name)}" Datatype="{attribute(datatype(declared.type))}"'
     head += f' Version="{attribute(version)}"' if version else ""
-    head += ' Remanence="Retain"' if retain else ""
+    head += f' Remanence="{retain}"' if retain else ""
     inner = pad + "  "
     parts = _attribute_list(declared, pairs, inner)
     found = texts(declared.comment) if declared.comment else ()
@@ -151,7 +152,7 @@ def _member(
         around = (*around, *arrays(declared.type))
         parts += [written_member(m, texts, starts, here, inner, around=around) for m in element.members]
     elif isinstance(element, NamedType) and starts is not None and starts.below(here):
-        parts.append(_expanded(starts.members(element), starts, here, inner))
+        parts.append(_expanded(element, starts, here, inner))
     if starts is not None:
         parts += _values(starts.of(here), inner)
     if not parts:
@@ -198,10 +199,14 @@ def _values(entries: dict[str, str], pad: str) -> list[str]:
     return lines
 
 
-def _expanded(members: Sequence[Member], starts: Starts, path: Path, pad: str) -> str:
-    """Members of a user type that have a start value of their own here."""
-    lines = _with_starts(members, starts, path, pad + "    ")
-    return f'{pad}<Sections>\n{pad}  <Section Name="None">\n{"".join(lines)}{pad}  </Section>\n{pad}</Sections>\n'
+def _expanded(type_: DataType, starts: Starts, path: Path, pad: str) -> str:
+    """Members of a user type or of a function block that have a start value of their own here."""
+    parts = []
+    for name, members in starts.sections(type_):
+        lines = "".join(_with_starts(members, starts, path, pad + "    "))
+        head = f'{pad}  <Section Name="{name}"'
+        parts.append(f"{head}>\n{lines}{pad}  </Section>\n" if lines else f"{head} />\n")
+    return f"{pad}<Sections>\n{''.join(parts)}{pad}</Sections>\n"
 
 
 def _with_starts(members: Sequence[Member], starts: Starts, path: Path, pad: str) -> list[str]:
@@ -216,11 +221,10 @@ def _with_starts(members: Sequence[Member], starts: Starts, path: Path, pad: str
         head = f'{pad}<Member Name="{attribute(inner.name)}" Datatype="{attribute(datatype(inner.type))}">\n'
         deeper = ""
         if below:
-            struct = isinstance(innermost(inner.type), StructType)
-            inside = starts.members(inner.type)
-            if struct:
-                deeper = "".join(_with_starts(inside, starts, here, pad + "  "))
+            element = innermost(inner.type)
+            if isinstance(element, StructType):
+                deeper = "".join(_with_starts(element.members, starts, here, pad + "  "))
             else:
-                deeper = _expanded(inside, starts, here, pad + "  ")
+                deeper = _expanded(element, starts, here, pad + "  ")
         lines.append(f"{head}{deeper}{''.join(values)}{pad}</Member>\n")
     return lines

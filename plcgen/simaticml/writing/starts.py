@@ -10,9 +10,10 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from plcgen.s7.blocks import Block, SectionKind
+from plcgen.s7.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.initializers import Group, InitialItem, Node, flatten, parse_initializer
 from plcgen.s7.literals import LiteralError
+from plcgen.s7.shapes import INSTANCE_SECTIONS
 from plcgen.s7.types import ArrayType, DataType, Member, NamedType, StructType, innermost
 
 if TYPE_CHECKING:
@@ -127,8 +128,16 @@ class Starts:
         type_ = innermost(type_)
         if isinstance(type_, StructType):
             return type_.members
+        return tuple(member for _, members in self.sections(type_) for member in members)
+
+    def sections(self, type_: DataType) -> tuple[tuple[str, tuple[Member, ...]], ...]:
+        """Members of a known type by the section that a document has them in: None of a user type."""
         block = self.types.get(type_.name.upper()) if isinstance(type_, NamedType) else None
-        return block.section(SectionKind.STATIC) if block is not None else ()
+        if block is None:
+            return ()
+        if block.kind is not BlockKind.FB:
+            return (("None", block.section(SectionKind.STATIC)),)
+        return tuple((kind.value, block.section(kind)) for kind in INSTANCE_SECTIONS)
 
     def _add(self, path: Path, groups: tuple[str, ...], literal: str) -> None:
         self.count += 1

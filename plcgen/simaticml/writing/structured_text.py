@@ -83,8 +83,8 @@ def elements(
 ) -> str:
     """Elements for the source between two offsets, with ``SLOT`` for every UId.
 
-    ``unknown`` gets what is called and of which the scope does not know what it is, with the offsets of its name where
-    it is called first: the call is that of an FC then.
+    ``unknown`` gets what cannot be written for sure, with the offsets of the name where that is first: what is called
+    and of which the scope does not know what it is (the call is that of an FC then), and types as operands of TypeOf.
     """
     writer = _Writer(tokens, begin, stop, scope, setting)
     text = writer.write(stop)
@@ -242,6 +242,9 @@ class _Writer:
             self.out.append(constant("LiteralConstant", text))
             self.step()
         else:
+            if following != "." and (elementary(text) is not None or upper in {"STRING", "WSTRING"}):
+                end = self.starts[pos] + len(text)
+                self.unknown.setdefault(f"compares with the type {text}", (self.starts[pos], end))
             self.operand("Global", text, quoted=False)
 
     def absolute(self) -> None:
@@ -408,7 +411,8 @@ class _Writer:
     def is_unknown(self, name: str) -> None:
         """Keep where something is called first of which nobody knows what it is; its name ends before the bracket."""
         last = self.pos - 1
-        self.unknown.setdefault(name, (self.called, self.starts[last] + len(self.texts[last])))
+        what = f"calls {name}: whether that is an FC or an instance is not known"
+        self.unknown.setdefault(what, (self.called, self.starts[last] + len(self.texts[last])))
 
     def call(self, head: str, tail: str) -> None:
         """Write the arguments of a call between ``head`` and ``tail``."""
