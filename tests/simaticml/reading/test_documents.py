@@ -68,7 +68,7 @@ def test_without_memory_layout_access_is_optimized_except_on_s7_300(layout, clas
         ("Array[-1..1, 2..3] of String[4]", ArrayType(((-1, 1), (2, 3)), StringType("STRING", 4))),
         ('Array[1..2] of "U"', ArrayType(((1, 2),), NamedType("U", quoted=True))),
         ("Array[*] of Int", ArrayType((), ELEMENTARY["INT"])),
-        ("Array[*, *] of Int", ArrayType((), ELEMENTARY["INT"])),
+        ("Array[*, *] of Int", ArrayType((), ELEMENTARY["INT"], 2)),
         ('"typeMotor":v1.0.2', NamedType("typeMotor", quoted=True)),
         ('Array[0.."N"] of Int', None),
         ("", None),
