@@ -32,6 +32,9 @@ _FORBIDDEN = frozenset('<>:"/\\|?*%')
 _DEVICES = frozenset({"CON", "PRN", "AUX", "NUL", *(f"{d}{n}" for d in ("COM", "LPT") for n in "123456789")})
 """Names that Windows keeps for devices."""
 
+MAX_LOST = 10
+"""So many start values of a block that a document cannot hold are told one by one."""
+
 MAX_NAME = 200
 """Longest file name in characters, without the ending."""
 
@@ -297,8 +300,11 @@ def _to_document(
         message = f'{block.kind} "{block.name}": that it is retentive is not converted'
         help_ = "a document says it at members, and not in instance data blocks: set Retain in the TIA Portal"
         found.diagnostics.append(Diagnostic("PG815", message, place, Severity.NOTE, help=help_))
-    for what in lost:
+    for what in lost[:MAX_LOST]:
         message = f'{block.kind} "{block.name}": {what} is not converted'
+        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
+    if len(lost) > MAX_LOST:
+        message = f'{block.kind} "{block.name}": {len(lost) - MAX_LOST} more start values are not converted'
         found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
     return RenderedFile(file_name(block.name) + ".xml", text.encode("utf-8-sig", "replace"))
 

@@ -10,6 +10,7 @@ from simaticml.reading.documents import STANDARD, document, function_block, glob
 import plcgen
 from plcgen import api
 from plcgen.inspection.compare.run import compare
+from plcgen.inspection.layout.declared import block_tables
 from plcgen.s7.literals import pack_literal
 from plcgen.simaticml.reading.documents import read_simaticml
 
@@ -105,6 +106,34 @@ def test_values_of_an_instance_are_in_the_sections_of_its_block(tmp_path: Path) 
     assert '<SectionName="Input"><MemberName="a"Datatype="Int"><StartValue>3</StartValue></Member></Section>' in found
     assert '<SectionName="Static"><MemberName="b"Datatype="Int"><StartValue>4</StartValue></Member></Section>' in found
     assert 'Name="None"' not in found
+
+
+def test_a_value_inside_a_type_that_only_a_library_knows_is_no_mistake() -> None:
+    """Steps of GRAPH have numbers in their document; with optimized access the block is shown without them."""
+    step = (
+        '<Member Name="S1" Datatype="G7_StepPlus_V6" Version="1.0"><Sections><Section Name="None">'
+        '<Member Name="SNO" Datatype="Int"><StartValue>1</StartValue></Member></Section></Sections></Member>'
+        '<Member Name="a" Datatype="Array[0..1] of Int"><Subelement Path="1"><StartValue>4</StartValue></Subelement>'
+        "</Member>"
+    )
+    optimized = STANDARD.replace("Standard", "Optimized")
+    (block,), problems = read_simaticml(document(global_db(step, optimized)), "x.xml")
+    assert problems == []
+    tables, found = block_tables([block], {})
+    assert [d.message for d in found] == ["the members of G7_StepPlus_V6 are not known to plcgen: shown without them"]
+    assert [row.name for row in tables[0].rows][:2] == ["S1", "a"]
+
+
+def test_very_many_values_that_are_lost_are_one_message(tmp_path: Path) -> None:
+    """Those of a type that is not among the files: ten are named."""
+    lines = "".join(f"  a[{n}].x := 1;\n" for n in range(30))
+    text = (
+        'DATA_BLOCK "D"\nVERSION : 0.1\nNON_RETAIN\n  STRUCT\n    a : Array[0..29] of "Elsewhere";\n  END_STRUCT;\n\n'
+        f"BEGIN\n{lines}END_DATA_BLOCK\n"
+    )
+    _, messages = to_xml(tmp_path, text, "D.xml")
+    assert len(messages) == 11
+    assert 'DB "D": 20 more start values are not converted' in messages
 
 
 # --- declarations ------------------------------------------------------------------------------------------

@@ -15,13 +15,14 @@ from plcgen.inspection.layout.tables import GAP, MORE, BlockTable, LayoutRow, me
 from plcgen.s7.blocks import BlockKind
 from plcgen.s7.evidence import NO_DOUBTS, rule
 from plcgen.s7.image import StartValueError, image
-from plcgen.s7.layout import layout_block, split_path
+from plcgen.s7.layout import layout_block, locate, split_path
 from plcgen.s7.shapes import union
 from plcgen.s7.spelling import type_text
 from plcgen.s7.types import ArrayType, Elementary
 
 if TYPE_CHECKING:
     from plcgen.s7.blocks import Block
+    from plcgen.s7.layout import Layout
     from plcgen.s7.shapes import Shape
     from plcgen.s7.types import Member
 
@@ -49,6 +50,7 @@ def block_tables(
             block = _with_access(source, types)
             try:
                 known, warnings = with_library_types(block, types) if block.optimized else (types, [])
+                block = _with_places(block, known) if warnings else block
                 memory = _memory(block, known, found)
                 tables.append(_declared(block, known, room, memory, expand=expand))
                 found += warnings
@@ -63,6 +65,20 @@ def _with_access(block: Block, types: Mapping[str, Block]) -> Block:
     owner = types.get((block.instance_of or "").upper())
     optimized = block.optimized is None and owner is not None and owner.optimized
     return replace(block, optimized=True) if optimized else block
+
+
+def _with_places(block: Block, types: Mapping[str, Block]) -> Block:
+    """Without the values inside of library types: nobody knows the members of these."""
+    layout = layout_block(block, types)
+    return replace(block, assignments=tuple(a for a in block.assignments if _is_place(layout, a.path)))
+
+
+def _is_place(layout: Layout, path: str) -> bool:
+    try:
+        locate(layout, path)
+    except KeyError:
+        return False
+    return True
 
 
 def _grouped(diagnostics: Mapping[Diagnostic, None]) -> list[Diagnostic]:
