@@ -249,6 +249,17 @@ def test_other_attributes_of_members_are_compared(tmp_path: Path) -> None:
     assert [kind for kind, _ in changes(tmp_path, old, new)] == ["member-attribute"]
 
 
+def test_the_order_in_a_function_block_is_compared(tmp_path: Path) -> None:
+    """Its instances are loaded with start values after that, as a data block is."""
+    first, second = (f'<Member Name="{name}" Datatype="Int" />' for name in "ab")
+    optimized = STANDARD.replace("Standard", "Optimized")
+    old, new = (
+        document(function_block(sections(Input="", Static=members)).replace(STANDARD, optimized))
+        for members in (first + second, second + first)
+    )
+    assert changes(tmp_path, old, new) == [("member-reordered", "is at another place among the members")]
+
+
 # --- what cannot be converted is told ----------------------------------------------------------------------
 
 

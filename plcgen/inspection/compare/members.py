@@ -53,17 +53,16 @@ class MemberComparison:
             self.found.append(Found("internal-changed", "", message, "", "", *places, details))
         if not (self.old.optimized and self.new.optimized):
             self.moved()
-        elif self.new.kind == "DB" and not self.new.instance_of:
+        elif self.new.kind in {"DB", "FB"} and not self.new.instance_of:
             self.reordered()
         return self.found
 
     def reordered(self) -> None:
-        """Members of an optimized DB that stand before others than they did: the CPU gets the block anew."""
-        old = [m.path.upper() for m in self.old.members]
-        new = [m.path.upper() for m in self.new.members]
-        kept = set(old) & set(new)
-        before, after = [p for p in old if p in kept], [m for m in self.new.members if m.path.upper() in kept]
-        moved = next((m for was, m in zip(before, after, strict=True) if m.path.upper() != was), None)
+        """Members of an optimized DB or FB before others than they were: the CPU gets it, or its instances, anew."""
+        old = {(m.section, m.path.upper()): m for m in self.old.members}
+        new = {(m.section, m.path.upper()): m for m in self.new.members}
+        before, after = [key for key in old if key in new], [key for key in new if key in old]
+        moved = next((new[key] for was, key in zip(before, after, strict=True) if key != was), None)
         if moved is not None:
             message = "is at another place among the members"
             self.add("member-reordered", moved, message)
