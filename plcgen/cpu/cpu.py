@@ -20,11 +20,11 @@ from plcgen.cpu.retention import restart_block
 from plcgen.cpu.symbols import Symbols
 from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.clock import SystemClock
-from plcgen.cpu.system.interfaces import SystemFb
+from plcgen.cpu.system.interfaces import TIMERS, SystemFb
 from plcgen.cpu.system.moves import AccessFaultError, MemoryMoves
 from plcgen.cpu.system.point_to_point import PORT_BLOCKS, PortBlock
 from plcgen.cpu.system.record import PLACES, RecordBlock, RecordJobs, RecordPlaces
-from plcgen.cpu.system.timers import counter, edge, timer
+from plcgen.cpu.system.timers import counter, edge, query, timer
 from plcgen.diagnostics import DiagnosticError
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.errors import UnknownPathError
@@ -141,6 +141,9 @@ class Cpu:
         names |= arithmetic.Division(self._report).functions()
         for system in {id(system): system for system in self.program.systems.values()}.values():
             names[f"S_{system.block.name}"] = self._runner(system)
+            if system.block.name in {"TONR_TIME", "TONR_LTIME"}:
+                shape = layout_block(system.block, {}).shape
+                names[f"query{shape.index['ET'].shape.bits}"] = query(shape, self._clock)
         return names
 
     def _load(self, blocks: Iterable[Compiled]) -> None:
@@ -163,8 +166,8 @@ class Cpu:
             serial = PORT_BLOCKS[system.kind](system, shape, self.bus, self._report, self._locate)
             self._records.append(serial)
             return serial
-        if system.kind in {"TON", "TOF", "TP", "TONR"}:
-            return timer(system, shape, self._clock)
+        if system.kind in TIMERS:
+            return timer(system.kind, shape, self._clock)
         return edge(system, shape) if system.kind.endswith("_TRIG") else counter(system, shape)
 
     def _locate(self, area: str, number: int) -> Memory | None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from plcgen.cpu.compiler.access import Access
 from plcgen.cpu.compiler.assignments import Assignments
 from plcgen.cpu.compiler.context import Context, Listing
+from plcgen.cpu.compiler.conversions import coerce
 from plcgen.cpu.compiler.expressions import Expressions
 from plcgen.cpu.compiler.places import Places
 from plcgen.cpu.compiler.references import References
@@ -28,7 +29,7 @@ _OWN_MEMORY = re.compile(r"\((m|t|d[0-9]+),")
 
 @dataclass(slots=True, eq=False)
 class Passed:
-    """What is left to do when the inputs are stored: the outputs that are wanted, the code of the buffer, copies."""
+    """What is left to do when the inputs are stored: outputs that are wanted, code of the buffer or PT, copies."""
 
     outputs: list[tuple[ast.Argument, MemoryPlace]]
     buffer: str = ""
@@ -73,6 +74,13 @@ class Arguments:
                 continue
             target = self.places.field(place, upper, argument.value)
             if target is None:
+                continue
+            if system is not None and upper == "PT" and system.takes_over:
+                passed.buffer = self.out.temporary()
+                code = coerce(
+                    self.context, self.expressions.value(argument.value), scalar_name(target.shape), argument.value
+                )
+                self.out.emit(f"{passed.buffer}={code}")
                 continue
             if kind is not _OUT:
                 lender = called if isinstance(called, ProgramBlock) and kind is _INOUT else None

@@ -252,7 +252,8 @@ class Calls:
         name = f"S_{system.block.name}"
         self.context.point("call", node)
         if not system.buffer:
-            self.out.emit(f"{self.timer_guard(place, system)}{name}({place.mem},{self.access.address(place)})")
+            preset = f",{buffer}" if buffer else ""
+            self.out.emit(f"{self.timer_guard(place, system)}{name}({place.mem},{self.access.address(place)}{preset})")
             if system.watched:
                 self.access.forget()
             else:

@@ -168,6 +168,8 @@ class Places:
         base = self.place(node.base)
         if base is None:
             return None
+        if node.name.upper() in {"Q", "ET"}:
+            self.query_timer(base)
         return self.field(base, node.name, node)
 
     def field(self, base: MemoryPlace, name: str, node: ast.Expression) -> MemoryPlace | None:
@@ -352,6 +354,13 @@ class Places:
             bit = codes[1] if len(codes) > 1 else "0"
             return MemoryPlace(shape, mem, 0, dynbit=f"ck({codes[0]},{last})*8+ck({bit},7)")
         return MemoryPlace(shape, mem, 0, f"ck({codes[0]},{last})")
+
+    def query_timer(self, base: MemoryPlace) -> None:
+        """Bring the data of an IEC timer of an S7-1200/1500 up to date before a member of it is looked at."""
+        members = base.shape.index
+        if "RU" in members and "RESERVED" in members:  # no other structure has them
+            self.out.emit(f"query{members['ET'].shape.bits}({base.mem},{self.access.address(base)})")
+            self.access.touched(base.region if base.fixed else None, base.off, base.shape.bits)
 
     def watch_status(self, base: MemoryPlace, name: str, node: ast.Expression) -> None:
         """Note reads of STATUS of a record block: it counts in the scan of its call only."""

@@ -19,6 +19,8 @@ _NUMBERS = {
     "SFB52": "RDREC", "SFB53": "WRREC",
 }  # fmt: skip
 _SERIAL = frozenset({*serial_blocks(classic=True), *serial_blocks(classic=False)})
+TIMERS = ("", "TON", "TOF", "TP", "TONR")
+"""IEC timers; those of the S7-1200/1500 keep in their data as which of them they were called."""
 _TIMER_PARAMETERS = {"IN": _IN, "PT": _IN, "Q": _OUT, "ET": _OUT}
 _CLASSIC_TIMER = ("IN BOOL;PT TIME", "Q BOOL;ET TIME", "STATE BYTE;STIME TIME;ATIME TIME")
 _TRIGGER = ("CLK BOOL", "Q BOOL", "STAT_BIT BOOL")
@@ -48,6 +50,11 @@ class SystemFb:
     def record(self) -> bool:
         """Whether a data record is a parameter."""
         return self.kind in {"WRREC", "RDREC"}
+
+    @property
+    def takes_over(self) -> bool:
+        """Whether it is a timer of the S7-1200/1500, whose PT counts at an edge of IN only."""
+        return self.kind in TIMERS and any(m.name == "RESERVED" for s in self.block.sections for m in s.members)
 
     @property
     def watched(self) -> bool:
@@ -84,7 +91,7 @@ def system_fbs(*, classic: bool) -> Mapping[str, SystemFb]:
     for name, block in serial_blocks(classic=classic).items():
         found[name] = SystemFb(name, block, _parameters(block))
     if not classic:
-        for kind in ("TON", "TOF", "TP", "TONR"):
+        for kind in TIMERS[1:]:
             reset = {"R": _IN} if kind == "TONR" else {}
             for name in (kind, f"{kind}_TIME", f"{kind}_LTIME"):
                 timer = system_block(name)

@@ -6,10 +6,11 @@ from collections.abc import Callable
 from struct import Struct
 
 from plcgen.cpu.memory import Memory
-from plcgen.cpu.system.interfaces import SystemFb
+from plcgen.cpu.system.interfaces import TIMERS, SystemFb
 from plcgen.s7.shapes import Shape
 
-Runner = Callable[[Memory, int], None]
+Runner = Callable[..., None]
+"""What a call runs: the memory of an instance and its offset there; of a modern timer also PT, see ``timer``."""
 
 
 class Fields:
@@ -37,13 +38,19 @@ class Fields:
         memory[offset + byte : offset + byte + size] = (value & (1 << bits) - 1).to_bytes(size)
 
 
-def timer(system: SystemFb, shape: Shape, clock: list[int]) -> Runner:
-    """Make the timer function: TON, TOF, TP or TONR over the declared members, in ms, or in ns with LTIME."""
-    fields, kind = Fields(shape), system.kind
+def timer(kind: str, shape: Shape, clock: list[int]) -> Runner:
+    """Make the timer function: TON, TOF, TP or TONR over the declared members, in ms, or in ns with LTIME.
+
+    ``given`` is the PT of a call on an S7-1200/1500: it is taken over when IN changes, by a TP not in its time (help of
+    the TIA Portal, TON: "Updating the actual values"; S7-1200 System Manual, "Timer operations"). ``again`` is the IN
+    of the call before where no call, but a query brings the data up to date.
+    """
+    fields = Fields(shape)
     classic = "STATE" in fields.places
     start = "STIME" if classic else "START"
     running = (fields.places["STATE"][0], 1) if classic else fields.flag("RU")
     old = (fields.places["STATE"][0], 2) if classic else (fields.places["RESERVED"][0], 1)
+    code, code_byte = (0 if classic else TIMERS.index(kind)), old[0] + 1
     in_byte, in_mask = fields.flag("IN")
     q_byte, q_mask = fields.flag("Q")
     et_byte, _, bits = fields.places["ET"]
@@ -54,14 +61,15 @@ def timer(system: SystemFb, shape: Shape, clock: list[int]) -> Runner:
     number = Struct(">q" if bits == 64 else ">i")  # PT, ET and the start have one type
     read, write = number.unpack_from, number.pack_into
     pt_byte, start_byte, wrap = fields.places["PT"][0], fields.places[start][0], (1 << bits - 1)
-    delays_on = kind == "TON"
+    delays_on, pulse = kind == "TON", kind == "TP"
 
-    def run(memory: Memory, offset: int) -> None:
-        active = memory[offset + in_byte] & in_mask != 0
+    def run(memory: Memory, offset: int, given: int | None = None, again: bool | None = None) -> None:  # noqa: FBT001
+        active = memory[offset + in_byte] & in_mask != 0 if again is None else again
         if delays_on and not active:
             if memory[offset + running[0]] & running[1] or memory[offset + q_byte] & q_mask:
                 memory[offset + running[0]] &= 255 - running[1]
                 memory[offset + q_byte] &= 255 - q_mask
+                memory[offset + old[0]] &= 255 - old[1]
                 memory[offset + et_byte : offset + et_byte + len(zero)] = zero
             return
         if r_mask and memory[offset + r_byte] & r_mask:
@@ -70,6 +78,8 @@ def timer(system: SystemFb, shape: Shape, clock: list[int]) -> Runner:
         now = clock[0] * unit
         was_active = memory[offset + old[0]] & old[1] != 0
         was_running = memory[offset + running[0]] & running[1] != 0
+        if given is not None and active != was_active and not (pulse and was_running):
+            write(memory, offset + pt_byte, given)
         passed = (now - read(memory, offset + start_byte)[0]) & whole
         elapsed, preset = read(memory, offset + et_byte)[0], read(memory, offset + pt_byte)[0]
         is_running, q, et, restart = step(active, was_active, was_running, passed, elapsed, preset)
@@ -79,6 +89,34 @@ def timer(system: SystemFb, shape: Shape, clock: list[int]) -> Runner:
         if (is_running, q, active) != (was_running, memory[offset + q_byte] & q_mask != 0, was_active):
             for (byte, mask), value in ((running, is_running), ((q_byte, q_mask), q), (old, active)):
                 memory[offset + byte] = memory[offset + byte] | mask if value else memory[offset + byte] & (255 - mask)
+            if code:
+                memory[offset + code_byte] = code
+
+    return run
+
+
+def query(shape: Shape, clock: list[int]) -> Runner:
+    """Make the function that a query of Q or ET on an S7-1200/1500 runs before: the timer goes on as it was called.
+
+    ``shape`` is that of the timer with the most members, TONR.
+    """
+    runs = [timer(kind or "TON", shape, clock) for kind in TIMERS]
+    fields = Fields(shape)
+    _, mask = fields.flag("RU")
+    et_byte, _, bits = fields.places["ET"]
+    unit, whole, letter = (1_000_000, (1 << 64) - 1, "q") if bits == 64 else (1, (1 << 32) - 1, "i")
+    read = Struct(f">3{letter}BxBB").unpack_from  # START, PT, ET; RU, IN, Q, R; RESERVED
+    write = Struct(f">{letter}").pack_into
+    adds_up = TIMERS.index("TONR")
+
+    def run(memory: Memory, offset: int) -> None:
+        start, preset, _, flags, old, code = read(memory, offset)
+        if flags & mask:
+            passed = clock[0] * unit - start & whole
+            if passed < preset and code != adds_up:  # nothing is over, as mostly
+                write(memory, offset + et_byte, passed)
+            else:
+                runs[code](memory, offset, None, old & 1 != 0)
 
     return run
 
