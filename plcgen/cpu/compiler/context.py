@@ -23,7 +23,7 @@ class Listing:
     """Lines of Python; ``map`` has the line of SCL of each, ``line`` is that of the next one.
 
     ``folds`` are the lines that put a value into a cached local, with its name: often nobody reads it again.
-    ``checks`` are true where no index is outside its array and no divisor 0, in the order of the expressions.
+    ``checks`` counts the expressions with an index that may be outside its array or a divisor that may be 0.
     """
 
     lines: list[str] = field(default_factory=list)
@@ -31,7 +31,7 @@ class Listing:
     indent: str = " "
     line: int = 0
     folds: list[tuple[int, str]] = field(default_factory=list)
-    checks: list[str] = field(default_factory=list)
+    checks: int = 0
     temporaries: int = 0
 
     def emit(self, code: str) -> None:

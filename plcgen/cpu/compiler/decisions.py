@@ -14,16 +14,8 @@ from plcgen.cpu.decisions import Decision
 from plcgen.scl import ast
 from plcgen.scl.logic import DECIDES, MOST, Joined, Leaf, Logic, joints, logic_of, operands_of
 
-_HARD = re.compile(r"\b(?:ck|opened|deref|power|Z)\(")
-"""Code that may be a fault, or lets another OB run: only where the operands before ask for it."""
-
-
-@dataclass(slots=True)
-class _Found:
-    """The value of an operand, and the checks that say whether it can be looked at in any case."""
-
-    value: Val
-    checks: list[str]
+_HARD = re.compile(r"\b(?:power|Z)\(")
+"""Code that takes long, or lets another OB run: only where the operands before ask for it."""
 
 
 @dataclass(slots=True, eq=False)
@@ -45,40 +37,35 @@ class Decisions:
         if not 1 < len(operands) <= MOST:
             return self.plain[type(node)](node)
         wanted = {id(operand) for operand in operands}
-        shown: dict[int, _Found] = {}
-        checks = self.out.checks
-        before = len(checks)
+        shown: dict[int, Val] = {}
 
         def watch(operand: ast.Expression, value: Val) -> None:
-            if id(operand) in wanted and id(operand) not in shown:
-                known = sum(len(each.checks) for each in shown.values())
-                shown[id(operand)] = _Found(value, checks[before + known :])
+            if id(operand) in wanted:
+                shown.setdefault(id(operand), value)
 
         around = self.inside, self.expressions.watch
         self.inside, self.expressions.watch = joints(node), watch
         whole = self.plain[type(node)](node)
         self.inside, self.expressions.watch = around
         found = [shown[id(operand)] for operand in operands]
-        boolean = whole.type == "BOOL" and all(each.value.type == "BOOL" and each.value.pure for each in found)
+        boolean = whole.type == "BOOL" and all(each.type == "BOOL" and each.pure for each in found)
         return Val(self.code(logic_of(node), operands, found), "BOOL", pure=whole.pure) if boolean else whole
 
-    def code(self, logic: Logic, operands: list[ast.Expression], found: list[_Found]) -> str:
+    def code(self, logic: Logic, operands: list[ast.Expression], found: list[Val]) -> str:
         """Look the outcome up by the negated values."""
         counter, decisions = self.context.counter, self.context.link.decisions
         rows = [(counter(operand, DECIDES[True]), counter(operand, DECIDES[False])) for operand in operands]
         decisions.append(Decision(logic, tuple(rows)))
-        risky = [bool(each.checks or _HARD.search(each.value.code)) for each in found]
+        hard = [_HARD.search(each.code) is not None for each in found]
         names: list[str] = []
         parts = []
         for number, each in enumerate(found):
-            code, asked = f"not {each.value.code}", _asked(logic, number, names) if risky[number] else []
-            if any(risky[number + 1 :]):
+            code, asked = f"not {each.code}", _asked(logic, number, names) if hard[number] else []
+            if any(hard[number + 1 :]):
                 names.append(self.out.temporary())
                 code = f"({names[-1]}:={code})"
             if asked:
-                ways = [" and ".join(asked)]
-                ways += [] if _HARD.search(each.value.code) else [" and ".join(each.checks)]
-                code = f"({code} if {' or '.join(ways)} else None)"
+                code = f"({code} if {' and '.join(asked)} else None)"
             parts.append(code)
         return f"D[{len(decisions) - 1}][{','.join(parts)}]"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
 from plcgen.cpu.arithmetic import mod, quotient
@@ -39,6 +40,8 @@ from plcgen.scl import ast
 
 _COMPARE = {"=": "==", "<>": "!=", "<": "<", "<=": "<=", ">": ">", ">=": ">="}
 _RING = frozenset({"+", "-", "*"})
+FAULT = re.compile(r"\b(?:ck|opened|deref|peek|peek_bit)\(")
+"""Code that may be a fault, besides that with an index or a divisor."""
 _LOGIC = {"AND": ("and", "&"), "&": ("and", "&"), "OR": ("or", "|"), "XOR": ("", "^")}
 _TIMED = frozenset({"DATE_AND_TIME", "DTL"})
 _DATES = STAMPS | {"DATE", "TIME_OF_DAY", "LTIME_OF_DAY"}
@@ -116,12 +119,14 @@ class Operators:
         for link in reversed(chain):
             conditional = value.type == "BOOL" and link.operator in {"AND", "&", "OR"}
             self.access.conditional += conditional
+            checks = self.context.out.checks
             right = self.expressions.value(link.right)
             self.access.conditional -= conditional
-            value = self.expressions.shown(link, self.operate(link, value, right))
+            may_fail = self.context.out.checks > checks or FAULT.search(right.code) is not None
+            value = self.expressions.shown(link, self.operate(link, value, right, may_fail=may_fail))
         return value
 
-    def operate(self, node: ast.Binary, left: Val, right: Val) -> Val:
+    def operate(self, node: ast.Binary, left: Val, right: Val, *, may_fail: bool) -> Val:
         """Apply one operator."""
         if UNKNOWN in {left.type, right.type}:
             return Val("0", "BOOL" if node.operator in _COMPARE else UNKNOWN)
@@ -134,7 +139,7 @@ class Operators:
         if node.operator in _COMPARE:
             return self.compare(node, left, right)
         if node.operator in _LOGIC:
-            return self.logic(node, left, right)
+            return self.logic(node, left, right, may_fail=may_fail)
         return self.arithmetic(node, left, right)
 
     def mismatch(self, node: ast.Binary, left: Val, right: Val) -> Val:
@@ -145,8 +150,12 @@ class Operators:
         self.context.error("PG821", f"{node.operator} does not take {kinds}", node, text)
         return Val("0", "BOOL" if node.operator in _COMPARE else UNKNOWN)
 
-    def logic(self, node: ast.Binary, left: Val, right: Val) -> Val:
-        """AND, OR, XOR."""
+    def logic(self, node: ast.Binary, left: Val, right: Val, *, may_fail: bool) -> Val:
+        """AND, OR, XOR.
+
+        A CPU evaluates both operands, also where the first one decides: what fails in the second one fails. The short
+        circuit of Python is for those where nobody notices.
+        """
         if left.type == right.type == INT_CONST and isinstance(left.const, int) and isinstance(right.const, int):
             joined = {"&": left.const & right.const, "|": left.const | right.const, "^": left.const ^ right.const}
             number = joined[_LOGIC[node.operator][1]]
@@ -157,7 +166,7 @@ class Operators:
         if common == "BOOL" and not {left.const, right.const} <= {None, 0, 1}:
             return self.mismatch(node, left, right)
         if common == "BOOL":
-            if word and right.pure:
+            if word and right.pure and not may_fail:
                 before = left.parts[1] if left.parts and left.parts[0] == word else [left.code]
                 parts = [*before, right.code]
                 return Val(f"({f' {word} '.join(parts)})", "BOOL", pure=pure, parts=(word, parts))
@@ -254,7 +263,7 @@ class Operators:
         name = "mod" if operator == "MOD" else "div"
         if right.const == 0:
             self.context.error("PG824", "division by the constant 0", node)
-        self.context.out.checks += [codes[1]] if right.const is None else []
+        self.context.out.checks += right.const is None
         return Val(f"{name}({codes[0]},{codes[1]})", common, raw=name == "div", pure=pure)
 
     def counted(self, value: Val, other: str, node: ast.Expression) -> Val:
@@ -279,7 +288,7 @@ class Operators:
         if node.operator in {"MOD", "DIV"}:
             self.context.error("PG821", f"{node.operator} does not take {common}", node)
             return unknown()
-        self.context.out.checks += [codes[1]] if node.operator == "/" and right.const is None else []
+        self.context.out.checks += node.operator == "/" and right.const is None
         code = f"fdiv({codes[0]},{codes[1]})" if node.operator == "/" else f"{codes[0]}{node.operator}{codes[1]}"
         return Val(f"f32({code})" if common == "REAL" else f"({code})", common, pure=pure)
 
@@ -335,7 +344,7 @@ class Operators:
         elif operator in {"*", "/", "DIV"} and kinds[0] in DURATIONS and number:
             if operator == "*":
                 return Val(f"({codes[0]})*({codes[1]})", kinds[0], raw=True, pure=pure)
-            self.context.out.checks += [codes[1]] if right.const is None else []
+            self.context.out.checks += right.const is None
             return Val(f"div({codes[0]},{codes[1]})", kinds[0], raw=True, pure=pure)
         return self.as_numbers(node, left, right) or self.mismatch(node, left, right)
 

@@ -248,7 +248,7 @@ class Places:
                 self.context.error("PG821", f"an index is an integer, not {value.type or 'a structure'}", index)
             name = self.out.temporary()
             code = integer_code(value)
-            self.out.checks.append(f"{low}<={code}<={high}")
+            self.out.checks += 1
             checked = f"({name} if {low}<=({name}:={code})<={high} else ix({name},{low},{high}))"
             codes.append((checked, stride))
             offset -= low * stride
