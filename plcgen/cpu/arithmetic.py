@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import datetime as dt
 import math
+import re
 import struct
 from collections.abc import Callable
 from typing import Any
 
 from plcgen.cpu.memory import single
 from plcgen.s7 import durations
+from plcgen.s7.values import RANGES
 
 _ROUNDING: dict[str, Callable[[float], int]] = {
     "round": round,
@@ -18,6 +20,8 @@ _ROUNDING: dict[str, Callable[[float], int]] = {
     "ceil": math.ceil,
 }
 _PACK = {32: (">f", ">I"), 64: (">d", ">Q")}
+_NUMBER = re.compile(r" *([+-]?[0-9][0-9,]*)(\.[0-9]*)?")
+"""The part of a text that counts as a number: up to the first character that is not permitted."""
 
 
 def mod(left: int, right: int) -> int:
@@ -42,7 +46,7 @@ def power(base: float, exponent: float) -> float:
     try:
         result = float(base) ** exponent
     except OverflowError:
-        return math.inf
+        return math.copysign(math.inf, base) if exponent % 2 == 1 else math.inf
     except ZeroDivisionError:
         return math.inf
     return result if isinstance(result, float) else math.nan
@@ -77,8 +81,8 @@ def shl(value: int, count: int, bits: int) -> int:
 
 
 def shr(value: int, count: int, bits: int) -> int:
-    """Shift right: zeros come in, the sign for signed integers."""
-    return value >> min(max(count, 0), bits)
+    """Shift right: zeros come in, the sign for signed integers; a negative count is a large one without its sign."""
+    return value >> (count if 0 <= count < bits else bits)
 
 
 def rol(value: int, count: int, bits: int) -> int:
@@ -158,22 +162,39 @@ def _real(function: Callable[[float], float]) -> Callable[[float], float]:
 
 
 def text_to(text: str, target: str) -> Any:
-    """Text to a number; no number gives 0."""
-    try:
-        value = float(text.strip() or 0)
-        if target in {"REAL", "LREAL"}:
-            return single(value) if target == "REAL" else value
-        bits = {"SINT": 8, "USINT": 8, "INT": 16, "UINT": 16, "LINT": 64, "ULINT": 64}.get(target, 32)
-        return to_int(value, bits, not target.startswith("U"), "trunc")
-    except ValueError:
-        return 0
+    """Text to a number: up to the first character that is none of it; no number, or one that does not fit, gives 0.
+
+    S7-1200 System Manual (11/2011), table 8-35: 123.45 is the integer 123, 00123AB is 123, 1.23e-4 is 1.23, 12,345.67
+    is 12345.67, ++123 is 0, 12345 as SINT is 0.
+    """
+    found = _NUMBER.match(text)
+    whole, rest = (found[1].replace(",", ""), found[2] or "") if found is not None else ("0", "")
+    if target in {"REAL", "LREAL"}:
+        return single(float(whole + rest)) if target == "REAL" else float(whole + rest)
+    low, high = RANGES[target]
+    return int(whole) if low <= int(whole) <= high else 0
+
+
+def text_to_v5(text: str, target: str) -> Any:
+    """Text to a number on S7-300/400: nothing but digits, limited to the type, or the form of ``to_text_v5``; else 0.
+
+    Help of the TIA Portal, S_CONV of S7-300/400 (FC37 to FC39 of STEP 7 V5).
+    """
+    if target == "REAL":
+        return single(float(text)) if re.fullmatch(r"[+-][0-9]\.[0-9]{7}E[+-][0-9]{2}", text) else 0.0
+    low, high = RANGES[target]
+    fits = re.fullmatch(r"[+-]?[0-9]+", text) and len(text) <= len(str(low))
+    return min(max(int(text), low), high) if fits else 0
 
 
 def to_text(value: Any, source: str) -> str:
-    """Write a number as the CPU does: with a sign, REAL with an exponent."""
-    if source in {"REAL", "LREAL"}:
-        return f"{value:+.6E}"
-    return f"{value:+d}" if not source.startswith("U") else str(value)
+    """Write a number as the CPU does: in SCL with a sign, REAL with an exponent (help of S_CONV)."""
+    return f"{value:+.6E}" if source in {"REAL", "LREAL"} else f"{value:+d}"
+
+
+def to_text_v5(value: Any, source: str) -> str:
+    """Write a number as S7-300/400 do: REAL has 14 characters, +v.nnnnnnnE+xx (help of S_CONV of S7-300/400)."""
+    return f"{value:+.7E}" if source == "REAL" else f"{value:+d}"
 
 
 def _left(text: str, length: int) -> str:
@@ -188,27 +209,48 @@ def _mid(text: str, length: int, position: int) -> str:
     return text[position - 1 : position - 1 + max(length, 0)] if position > 0 else ""
 
 
-def _delete(text: str, length: int, position: int) -> str:
-    return text[: position - 1] + text[position - 1 + max(length, 0) :] if position > 0 else text
-
-
 def _insert(text: str, other: str, position: int) -> str:
-    return text[: max(position, 0)] + other + text[max(position, 0) :]
+    return text[:position] + other + text[position:] if position >= 0 else ""
+
+
+def _delete(text: str, length: int, position: int) -> str:
+    return text[: position - 1] + text[position - 1 + length :] if position > 0 and length >= 0 else ""
 
 
 def _replace(text: str, other: str, length: int, position: int) -> str:
-    return text[: position - 1] + other + text[position - 1 + max(length, 0) :] if position > 0 else text
+    return text[: position - 1] + other + text[position - 1 + length :] if position > 0 and length >= 0 else ""
+
+
+def _delete_v5(text: str, length: int, position: int) -> str:
+    """On S7-300/400 a position of 0 deletes nothing."""
+    return text if position == 0 and length >= 0 else _delete(text, length, position)
+
+
+def _replace_v5(text: str, other: str, length: int, position: int) -> str:
+    """On S7-300/400 a length of 0 replaces nothing, a position of 0 counts as 1; of both the text goes in front."""
+    if length == 0 and position > 0:
+        return text
+    return _replace(text, other, length, position or 1)
 
 
 class Division:
-    """Division for generated code: by zero it gives 0, or what a REAL has for it, and is reported (PG836)."""
+    """What is reported (PG836) and goes on: a division by zero, with 0 or what a REAL has for it; digits of no BCD.
+
+    The latter on S7-300/400 only: there it is a programming error, elsewhere a bit of the status word (help of the TIA
+    Portal, explicit conversion of WORD, of both families).
+    """
 
     def __init__(self, report: Callable[[str, str], None]) -> None:
         self._report = report
 
     def functions(self) -> dict[str, Callable[..., Any]]:
         """What generated code calls."""
-        return {"div": self._div, "mod": self._mod, "fdiv": self._fdiv}
+        return {"div": self._div, "mod": self._mod, "fdiv": self._fdiv, "bcd": self._bcd}
+
+    def _bcd(self, value: int, digits: int) -> int:
+        if any(value >> 4 * place & 15 > 9 for place in range(digits)):
+            self._report("PG836", f"16#{value:X} is no BCD number")
+        return bcd_to_int(value, digits)
 
     def _div(self, left: int, right: int) -> int:
         if not right:
@@ -239,11 +281,12 @@ def functions() -> dict[str, Callable[..., Any]]:
     texts: dict[str, Callable[..., Any]] = {
         "len": len, "concat": lambda *parts: "".join(parts), "left": _left, "right": _right, "mid": _mid,
         "find": lambda a, b: a.find(b) + 1, "delete": _delete, "insert": _insert, "replace": _replace,
+        "delete_v5": _delete_v5, "replace_v5": _replace_v5,
     }  # fmt: skip
     found: dict[str, Callable[..., Any]] = {f"m_{name}": _real(function) for name, function in reals.items()}
     found |= {f"t_{name}": function for name, function in texts.items()}
     own = (real_ne, power, to_int, bits_real, real_bits, shl, shr, rol, ror, limit, mux, bcd_to_int, int_to_bcd)
     found |= {function.__name__: function for function in own}
-    times = (to_s5, from_s5, dt_part, text_to, to_text)
+    times = (to_s5, from_s5, dt_part, text_to, text_to_v5, to_text, to_text_v5)
     found |= {function.__name__: function for function in times}
     return found | {"f32": single, "sqr": lambda x: x * x}

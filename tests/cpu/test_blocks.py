@@ -83,6 +83,22 @@ def test_timer_spellings(kind):
     assert trace(kind, "T15", ON) == ON_Q
 
 
+@pytest.mark.parametrize(("dialect", "expected"), [("V5", [0, 0, 0, 1]), ("T3", [0, 0, 0, 1]), ("T15", [1, 1, 1, 1])])
+def test_ton_without_a_time(dialect, expected):
+    """SFB4 with PT = 0 is initialized (System Software for S7-300/400, SFB 4): no Q; a modern TON is over.
+
+    PT is 0 in two calls and 10 ms in two more; on S7-300/400 the time starts in the first of these.
+    """
+    own = "" if dialect == "V5" else "#"
+    code = f"{own}t(IN := TRUE, PT := {own}pt); {own}q := {own}t.Q;"
+    cpu = Cpu(load({"dialect": dialect, "in": "pt : Time;", "out": "q : Bool;", "vars": "t : TON;", "code": code}))
+    found = []
+    for time in (0, 0, 10, 10):
+        cpu.call("Test_DB", 10, pt=time)
+        found.append(int(cpu["Test_DB.q"]))
+    assert found == expected
+
+
 def test_timer_data_block():
     """An SFB4 with its own instance data block."""
     also = "DATA_BLOCK DB10 SFB4\nBEGIN\nEND_DATA_BLOCK\n"

@@ -48,7 +48,8 @@ def coerce(context: Context, value: Val, target: str, node: ast.Expression) -> s
         return constant_as(context, value, target, node)
     code = value.wrapped
     if target in REALS and source in INTEGERS:
-        return f"float({code})"
+        exact = target == "LREAL" or INTEGERS[source] <= WIDTHS["INT"]
+        return f"float({code})" if exact else f"f32(float({code}))"
     if fine:
         return f"({code}*1000000)"
     if target in TEXTS:

@@ -8,16 +8,17 @@ from plcgen.cpu.type_rules import BITS, REALS, TEXTS, WIDTHS
 _TIMES = frozenset({"TIME", "LTIME", "DATE", "TIME_OF_DAY", "LTIME_OF_DAY", "LDT"})
 
 
-def convert_code(code: str, source: str, target: str) -> str:
-    """Generated code of an explicit conversion."""
+def convert_code(code: str, source: str, target: str, *, classic: bool = False) -> str:
+    """Generated code of an explicit conversion; ``classic`` is about numbers as text."""
+    form = "_v5" if classic else ""
     if source == "BOOL":
         return f"(1.0 if {code} else 0.0)" if target in REALS else f"(1 if {code} else 0)"
     if target == "BOOL":
         return f"({code}&1)" if source not in REALS else f"({code}!=0.0)"
     if source in TEXTS:
-        return f"ord(({code}+' ')[0])" if target in {"CHAR", "WCHAR"} else f"text_to({code},{target!r})"
+        return f"ord(({code}+' ')[0])" if target in {"CHAR", "WCHAR"} else f"text_to{form}({code},{target!r})"
     if target in TEXTS:
-        return f"chr({code})" if source == "CHAR" else f"to_text({code},{source!r})"
+        return f"chr({code})" if source == "CHAR" else f"to_text{form}({code},{source!r})"
     if source in REALS:
         return _from_real(code, source, target)
     if target in REALS:

@@ -270,7 +270,8 @@ class Functions:
             else:
                 codes.append(value.wrapped)
         type_ = "INT" if name in {"LEN", "FIND"} else "WSTRING" if wide else "STRING"
-        return Val(f"t_{name.lower()}({','.join(codes)})", type_, pure=pure)
+        form = "_v5" if self.context.classic and name in {"DELETE", "REPLACE"} else ""
+        return Val(f"t_{name.lower()}{form}({','.join(codes)})", type_, pure=pure)
 
     def conversion(self, node: ast.Call, name: str, source: str, target: str) -> Val | None:
         """``A_TO_B`` with one argument."""
@@ -292,7 +293,7 @@ class Functions:
         bound = self.bind(node, ("IN",))
         value = self.expressions.value(bound["IN"])
         code = coerce(self.context, value, source, bound["IN"])
-        return Val(convert_code(code, source, target), target, pure=value.pure)
+        return Val(convert_code(code, source, target, classic=self.context.classic), target, pure=value.pure)
 
     def bcd(self, node: ast.Call, name: str) -> Val:
         """BCD words and integers."""
@@ -301,6 +302,7 @@ class Functions:
         value = self.expressions.value(bound["IN"])
         if name.endswith(("_TO_INT", "_TO_DINT")):
             code = coerce(self.context, value, "DWORD" if double else "WORD", bound["IN"])
-            return Val(f"bcd_to_int({code},{7 if double else 3})", "DINT" if double else "INT", pure=value.pure)
+            name = "bcd" if self.context.classic else "bcd_to_int"
+            return Val(f"{name}({code},{7 if double else 3})", "DINT" if double else "INT", pure=value.pure)
         code = coerce(self.context, value, "DINT" if double else "INT", bound["IN"])
         return Val(f"int_to_bcd({code},{7 if double else 3})", "DWORD" if double else "WORD", pure=value.pure)

@@ -57,7 +57,7 @@ def timer(kind: str, shape: Shape, clock: list[int]) -> Runner:
     zero = bytes(bits // 8)
     unit, whole = (1_000_000 if bits == 64 else 1), (1 << bits) - 1
     r_byte, r_mask = fields.flag("R") if kind == "TONR" else (0, 0)
-    step = {"TON": _on, "TOF": _off, "TP": _pulse, "TONR": _sum}[kind]
+    step = {"TON": _on_v5 if classic else _on, "TOF": _off, "TP": _pulse, "TONR": _sum}[kind]
     number = Struct(">q" if bits == 64 else ">i")  # PT, ET and the start have one type
     read, write = number.unpack_from, number.pack_into
     pt_byte, start_byte, wrap = fields.places["PT"][0], fields.places[start][0], (1 << bits - 1)
@@ -130,6 +130,11 @@ def _on(active: bool, _was: bool, running: bool, passed: int, _et: int, preset: 
         return False, False, 0, False
     et = min(passed, preset) if running else 0
     return True, et >= preset, et, not running
+
+
+def _on_v5(active: bool, was: bool, running: bool, passed: int, et: int, preset: int) -> State:  # noqa: FBT001
+    """SFB4: a call with PT 0 initializes it (System Software for S7-300/400, SFB 4): Q does not come."""
+    return _on(active, was, running, passed, et, preset) if preset > 0 else (False, False, 0, False)
 
 
 def _off(active: bool, was: bool, running: bool, passed: int, et: int, preset: int) -> State:  # noqa: FBT001
