@@ -27,12 +27,17 @@ from plcgen.cpu.linkage import ENO, Compiled, Linkage, ProgramBlock
 from plcgen.cpu.memory import CODECS
 from plcgen.diagnostics import Diagnostic, Span, has_errors
 from plcgen.s7.blocks import BlockKind, SectionKind
-from plcgen.s7.types import Elementary, Member
+from plcgen.s7.image import default_bytes
+from plcgen.s7.layout import Layout, leaves
+from plcgen.s7.types import Elementary, Member, StringType
 from plcgen.scl import ast
 from plcgen.scl.dialect import Dialect
 
 _LITTER = {"0": "0xA0 if g else 0xC3", "0.0": "1e30 if g else -1e30", "False": "g"}
-"""Garbage in local data at the start of a call by the default values of the types: of two kinds in turn, by ``g``."""
+"""Garbage in local data at the start of a call by the default values of the types: of two kinds in turn, by ``g``.
+
+Blocks with optimised access find those defaults (help of the TIA Portal, "Parameter assignment to functions", Temp).
+"""
 
 
 def compile_block(
@@ -192,19 +197,31 @@ class _Frame:
             if name.startswith("v"):
                 default = CODECS[type_].default if type_ in CODECS else "False"
                 groups.setdefault(default, []).append(name)
-        litter = _LITTER if self.context.link.litter else {}
+        link = self.context.link
+        litter = _LITTER if link.litter and not link.optimized(self.context.owner) else {}
         if litter and (groups or self.context.scope.temp_shape is not None):
             self.out.emit("g=G[0]=not G[0]")
         for default, names in groups.items():
             self.out.emit(f"{'='.join(names)}={litter.get(default, default)}")
         if self.context.scope.temp_shape is not None:
-            optimized = ",True" if self.context.link.mixed and self.context.link.optimized(self.context.owner) else ""
+            optimized = ",True" if link.mixed and link.optimized(self.context.owner) else ""
             size = self.context.scope.temp_shape.bits // 8
             self.out.emit(f"t=local({size}{optimized})")
             if litter:
                 self.out.emit(f"t[:]=(b'\\xa5' if g else b'<')*{size}")
+                self.empty_texts(Layout(size, self.context.scope.temp_shape))
+            elif link.optimized(self.context.owner) and any(defaults := default_bytes(self.context.scope.temp_shape)):
+                self.out.emit(f"t[:]={defaults!r}")
             if self.context.owner.block.kind is BlockKind.OB and self.context.classic:
-                self.out.emit(f"ob_info(t,{self.context.link.ob_number(self.context.owner)})")
+                self.out.emit(f"ob_info(t,{link.ob_number(self.context.owner)})")
+
+    def empty_texts(self, layout: Layout) -> None:
+        """Texts in local data are empty in blocks of the TIA Portal (help, as above)."""
+        heads = {"STRING": (1,), "WSTRING": (2, 3)}
+        texts = [(entry.offset // 8, entry.type.name) for entry in leaves(layout) if isinstance(entry.type, StringType)]
+        lengths = tuple(at + head for at, name in texts for head in heads[name])
+        if lengths and self.context.link.dialect.is_tia:
+            self.out.emit(f"for k in {lengths}:t[k]=0")
 
     def parameter_prologue(self, kind: SectionKind, member: Member, how: str, symbol: Symbol) -> None:
         """Make one parameter of an FC ready."""

@@ -64,16 +64,24 @@ class Moves:
         names = ("SRCBLK", "DSTBLK") if name in _MOVES else ("BVAL", "BLK")
         bound = self.functions.bind(node, names, ("RET_VAL",))
         source, target = self.references.reference(bound[names[0]]), self.references.reference(bound[names[1]])
+        move = (_MOVES | _FILLS)[name]
+        if move == "blkmov" and self.is_text(bound[names[0]]):
+            move, source = ("blkmov_text", source) if self.is_text(bound[names[1]]) else (move, f"chars({source})")
         result = self.out.temporary()
-        whole = not self.context.preemptive or (_MOVES | _FILLS)[name] != "blkmov" or name in _WHOLE
+        whole = not self.context.preemptive or name in _FILLS or name in _WHOLE
         between = "" if whole else f",lambda:{self.context.point_code('copy', node)}"
-        self.out.emit(f"{result}={(_MOVES | _FILLS)[name]}({source},{target}{between})")
+        self.out.emit(f"{result}={move}({source},{target}{between})")
         self.access.forget()
         if "RET_VAL" in bound:
             place = self.places.place(bound["RET_VAL"])
             if place is not None:
                 self.assignments.assign_value(place, Val(result, "INT"), bound["RET_VAL"])
         return Val(result, "INT")
+
+    def is_text(self, node: ast.Expression) -> bool:
+        """Whether it is a variable of type STRING."""
+        place = self.places.place(node) if isinstance(node, ast.Name | ast.Member | ast.Index) else None
+        return place is not None and not place.local and scalar_name(place.shape) == "STRING"
 
     def tail(self, node: ast.Expression) -> str | None:
         """Reference from an element to the end of its array."""

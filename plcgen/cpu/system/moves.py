@@ -53,7 +53,7 @@ class MemoryMoves:
     def functions(self) -> dict[str, Callable[..., Any]]:
         """Return what generated code calls."""
         names = "pt local deref any_of any10 ptr6 blkmov fill move_elements fill_elements peek peek_bit poke poke_bit"
-        names += " poke_block opened lend give_back take put copy there"
+        names += " blkmov_text chars poke_block opened lend give_back take put copy there"
         return {name: getattr(self, name) for name in names.split()}
 
     # --- references -----------------------------------------------------------------------------------
@@ -163,6 +163,21 @@ class MemoryMoves:
         self.count(size)
         self.cp(target[0], target[1], source[0], source[1], size, between)
         return 0
+
+    @staticmethod
+    def chars(text: Reference) -> Reference:
+        """The characters that a STRING holds: BLKMOV moves these (help, "Rules for moving character strings")."""
+        memory, offset, size = text
+        return text if memory is None else (memory, offset + 2, min(memory[offset + 1], size - 2))
+
+    def blkmov_text(self, source: Reference, target: Reference, between: Between = _nothing) -> int:
+        """SFC20 from a STRING to a STRING: the characters, and how many these are."""
+        memory, offset, size = target
+        characters = self.chars(source)
+        problem = self.blkmov(characters, (memory, offset + 2, size - 2), between)
+        if not problem and memory is not None:
+            memory[offset + 1] = min(characters[2], size - 2)
+        return problem
 
     def fill(self, pattern: Reference, target: Reference) -> int:
         """SFC21: repeat a pattern over a range."""
