@@ -25,14 +25,15 @@ CASE = {
 }
 
 
-def bench(case=None, *, busy=2, limit=None):
+def bench(case=None, *, busy=2, limit=None, request=True):
     """CPU, bus and a drive with p1 = 5 at 271."""
     drive = Drive(Behaviour(), [DriveObject(1, {1: SimulatedParameter(1, formats.by_name("Unsigned16"), [5])})])
     bus = Periphery(write_busy=busy, read_busy=busy)
     bus.attach(271, drive)
     cpu = Cpu(load(case or CASE), bus, job_limit=limit)
     cpu.scan(0)
-    cpu["Test_DB.q"] = list(REQUEST) if case is None else [0] * 10
+    if request:
+        cpu["Test_DB.q"] = list(REQUEST) if case is None else [0] * 10
     return cpu, bus, drive
 
 
@@ -114,6 +115,21 @@ def test_changed_length():
     cpu.call("Test_DB", 10, write=True)
     cpu.call("Test_DB", 10, write=False, length=8)
     assert [misuse.code for misuse in cpu.misuses] == ["PG830"]
+
+
+@pytest.mark.parametrize(("dialect", "expected"), [("T3", ["PG830"]), ("T15", [])])
+def test_changed_target(dialect, expected):
+    """S7-300/400: what RDREC reads into must not change meanwhile either (help of RDREC); of others nothing is said."""
+    modern = dialect == "T15"
+    case = {
+        "dialect": dialect, "in": "read : Bool;", "vars": "r : RDREC; a : Array[0..19] of Byte;",
+        "code": f"#r(REQ := #read, ID := {'271' if modern else 'DW#16#10F'}, INDEX := 47, MLEN := 20, RECORD := #a);",
+    }  # fmt: skip
+    cpu, _, _ = bench(case, request=False)
+    cpu.call("Test_DB", 10, read=True)
+    cpu["Test_DB.a[3]"] = 2
+    cpu.call("Test_DB", 10, read=False)
+    assert [misuse.code for misuse in cpu.misuses] == expected
 
 
 def test_request_held():

@@ -169,6 +169,7 @@ class RecordBlock:
         self.flags = tuple(self._bit(fields[n].offset) for n in ("DONE" if self.write else "VALID", "BUSY", "ERROR"))
         self.id = fields["ID"].offset // 8
         self.id_size = fields["ID"].shape.bits // 8
+        self.classic = self.id_size == 4  # where the target of RDREC must not change either (help, RDREC of S7-300/400)
         self.index = fields["INDEX"].offset // 8
         self.index_size = fields["INDEX"].shape.bits // 8
         self.length = fields["LEN" if self.write else "MLEN"].offset // 8
@@ -229,7 +230,7 @@ class RecordBlock:
             self.report("PG830", f"{'LEN' if self.write else 'MLEN'} of {self.kind} changed during the job")
         elif (address, index) != (job.address, job.index):
             self.report("PG830", f"ID or INDEX of {self.kind} changed during the job")
-        elif self.write and record[0] is not None:
+        elif (self.write or self.classic) and record[0] is not None:
             size = len(job.snapshot)
             if record[0][record[1] : record[1] + size] != job.snapshot:
                 self.report("PG830", f"the contents of RECORD of {self.kind} changed during the job")
