@@ -283,6 +283,8 @@ class Calls:
         allowed = {name: kind for name, kind in allowed.items() if kind is not SectionKind.RETURN}
         given = self.arguments.named_arguments(node, parameters, allowed)
         codes: list[str] = []
+        values: list[tuple[int, Val, str, ast.Expression]] = []
+        pending, before = self.context.pending, len(self.context.pending)
         lent: list[tuple[str, str]] = []
         after: list[tuple[ast.Argument | None, str]] = []
         result = ""
@@ -294,6 +296,7 @@ class Calls:
                 continue
             if argument is None:
                 self.context.error("PG822", f"{member.name} is missing", node, f"{found.name} needs every parameter")
+                del pending[before:]
                 return unknown()
             if how == "reference":
                 code = self.arguments.structured(argument, kind)
@@ -301,9 +304,14 @@ class Calls:
             elif how == "pointer" or (type_ == "ANY" and kind is _IN and self.arguments.kind_of(argument) != "ANY"):
                 codes.append(self.references.reference(argument.value))
             elif kind is not _OUT:
-                codes.append(coerce(self.context, self.expressions.value(argument.value), type_, argument.value))
+                values.append((len(codes), self.expressions.value(argument.value), type_, argument.value))
+                pending.append(values[-1][1])
+                codes.append("")
             if how == "value" and kind is not _IN:
                 after.append((argument, type_))
+        del pending[before:]
+        for position, value, type_, expression in values:
+            codes[position] = coerce(self.context, value, type_, expression)
         value = self.emit_function(found, codes, after, result)
         enabled = given.get("ENO")
         if enabled is not None and "ENO" not in allowed:
@@ -316,6 +324,7 @@ class Calls:
     ) -> Val:
         """Emit the call and take the outputs."""
         self.context.calling += 1
+        self.context.settle()
         call = f"{self.context.function(found.index)}({','.join(codes)})"
         self.watchdog.hand_over()
         name = self.out.temporary()

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from plcgen.cpu.compiler.scope import Scope
+from plcgen.cpu.compiler.values import Val
 from plcgen.cpu.linkage import Linkage, Probe, ProgramBlock
 from plcgen.cpu.type_rules import TypeRules
 from plcgen.diagnostics import Diagnostic, Severity, Span
@@ -16,6 +17,7 @@ from plcgen.scl import ast
 
 MAX_DIAGNOSTICS = 100
 _LOCAL = re.compile(r"\bc[0-9]+\b")
+_TEMPORARY = re.compile(r"q[0-9]+")
 
 
 @dataclass(slots=True, eq=False)
@@ -109,6 +111,8 @@ class Context:
     run_tags: list[tuple[str, int, str, str]] = field(default_factory=list)
     counting: int | None = None
     jumps: int = 0
+    pending: list[Val] = field(default_factory=list)
+    """Operands and arguments that stand before the one that is being compiled."""
 
     def __post_init__(self) -> None:
         self.unit = self.owner.tree
@@ -183,6 +187,14 @@ class Context:
     def enable(self, word: str) -> str:
         """Generated place of ENO or OK."""
         return "ok" if self.keeps_ok and word.upper() == "OK" else "eno[0]"
+
+    def settle(self) -> None:
+        """Evaluate what stands before a call in an expression: leftmost operands come first (IEC 61131-3, 3.3.1)."""
+        for value in self.pending:
+            if value.code and value.const is None and not _TEMPORARY.fullmatch(value.code):
+                name = self.out.temporary()
+                self.out.emit(f"{name}={value.code}")
+                value.code, value.parts = name, None
 
     def called(self) -> None:
         """Behind a call: its ENO, in STEP 7 V5 (S7-SCL V5.3 manual, ENO)."""

@@ -39,13 +39,18 @@ class Decisions:
         wanted = {id(operand) for operand in operands}
         shown: dict[int, Val] = {}
 
+        pending = self.context.pending
+
         def watch(operand: ast.Expression, value: Val) -> None:
-            if id(operand) in wanted:
-                shown.setdefault(id(operand), value)
+            if id(operand) in wanted and id(operand) not in shown:
+                shown[id(operand)] = value
+                pending.append(value)
 
         around = self.inside, self.expressions.watch
         self.inside, self.expressions.watch = joints(node), watch
+        before = len(pending)
         whole = self.plain[type(node)](node)
+        del pending[before:]
         self.inside, self.expressions.watch = around
         found = [shown[id(operand)] for operand in operands]
         boolean = whole.type == "BOOL" and all(each.type == "BOOL" and each.pure for each in found)

@@ -70,6 +70,7 @@ class Moves:
         result = self.out.temporary()
         whole = not self.context.preemptive or name in _FILLS or name in _WHOLE
         between = "" if whole else f",lambda:{self.context.point_code('copy', node)}"
+        self.context.settle()
         self.out.emit(f"{result}={move}({source},{target}{between})")
         self.access.forget()
         if "RET_VAL" in bound:

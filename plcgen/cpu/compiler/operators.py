@@ -120,7 +120,10 @@ class Operators:
             conditional = value.type == "BOOL" and link.operator in {"AND", "&", "OR"}
             self.access.conditional += conditional
             checks = self.context.out.checks
+            pending, own = self.context.pending, len(self.context.pending)
+            pending.append(value)
             right = self.expressions.value(link.right)
+            del pending[own]  # behind it may be operands that are kept for coverage
             self.access.conditional -= conditional
             may_fail = self.context.out.checks > checks or FAULT.search(right.code) is not None
             value = self.expressions.shown(link, self.operate(link, value, right, may_fail=may_fail))
