@@ -54,7 +54,7 @@ _STAMPED = {
 """Results of date arithmetic of the S7-1500 (help of the TIA Portal, "Arithmetic expressions")."""
 _STORED = {"TIME": "DINT", "LTIME": "LINT", "CHAR": "INT", "WCHAR": "INT", "DATE": "INT", "TIME_OF_DAY": "DINT"}
 _SAME_WIDTH = "convert one of them; without IEC check the TIA Portal converts on its own (--iec-check off)"
-_ORDERED = frozenset({"TIME", "LTIME", "DATE", "TIME_OF_DAY", "LTIME_OF_DAY", "LDT", "CHAR", "WCHAR", "S5TIME"})
+_ORDERED = frozenset({"TIME", "LTIME", "DATE", "TIME_OF_DAY", "LTIME_OF_DAY", "LDT", "CHAR", "WCHAR"})
 
 
 def wide_enough(value: Val, other: str) -> Val:
@@ -187,7 +187,8 @@ class Operators:
         if left.const is not None and right.const is not None and {left.type, right.type} <= NUMERIC:
             return Val(f"({left.code}{symbol}{right.code})", "BOOL")
         if self.is_not_executed(left, right, equality=equality):
-            self.context.error("PG827", "the soft CPU does not compare structures, arrays, pointers and stamps", node)
+            message = "the soft CPU does not compare structures, arrays, pointers, stamps and S5TIME"
+            self.context.error("PG827", message, node)
             return Val("False", "BOOL")
         if {left.type, right.type} == {"REAL", "LREAL"} and self.context.rules.checked:
             self.context.error("PG821", f"{node.operator} does not take REAL and LREAL", node, _SAME_WIDTH)
@@ -212,8 +213,10 @@ class Operators:
         """Whether a comparison is one of the S7-1200/1500 that the soft CPU does not have.
 
         Dates compare with dates, structures and arrays with their like, a VARIANT or ANY with everything (help of the
-        TIA Portal, "Relational expressions").
+        TIA Portal, "Relational expressions"). Of S5TIME it says that it does not compare, and that it becomes TIME.
         """
+        if "S5TIME" in {left.type, right.type}:
+            return True
         if {left.type, right.type} <= _DATES and {left.type, right.type} & STAMPS:
             return True
         if not equality or not self.context.link.dialect.is_tia:
