@@ -15,6 +15,7 @@ from plcgen.cpu.compiler.references import References
 from plcgen.cpu.compiler.scope import scalar_name
 from plcgen.cpu.compiler.values import MemoryPlace
 from plcgen.cpu.linkage import ProgramBlock
+from plcgen.cpu.memory import CODECS
 from plcgen.cpu.system.interfaces import SystemFb
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.s7.blocks import SectionKind
@@ -25,6 +26,8 @@ from plcgen.scl import ast
 _IN, _OUT, _INOUT = SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT
 _OWN_MEMORY = re.compile(r"\((m|t|d[0-9]+),")
 """A reference to memory whose access setting is known when it is compiled."""
+_POINTED = frozenset("tIQMP")
+"""Local data, inputs, outputs, flags and peripherals."""
 
 
 @dataclass(slots=True, eq=False)
@@ -247,6 +250,17 @@ class Arguments:
             self.assignments.input_written(argument.value, "inputs are read only", tolerated=tolerated)
             return place if tolerated else None
         return place
+
+    def found_in_output(self, argument: ast.Argument, type_: str) -> str:
+        """What an FC of an S7-300/400 finds in an output: the value of its variable, if the output is a pointer to it.
+
+        Otherwise the default (help of the TIA Portal, "Parameter transfer with S7-300/400": operands of I, Q, M, P and
+        L are pointers; "Parameter assignment to functions": an output that is not written).
+        """
+        place = self.places.place(argument.value) if not isinstance(argument.value, ast.Slice) else None
+        if place is not None and (place.local or place.mem in _POINTED) and scalar_name(place.shape) == type_:
+            return self.access.load(place).wrapped
+        return CODECS[type_].default if type_ in CODECS else "False"
 
     def take_output(self, argument: ast.Argument, target: MemoryPlace) -> None:
         """Copy an output to the variable behind ``=>``."""

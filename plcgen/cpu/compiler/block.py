@@ -168,7 +168,7 @@ class _Frame:
             if kind is SectionKind.RETURN:
                 returned = symbol.type_name if how == "value" else f"r_s({symbol.type_name}_m,0)"
                 continue
-            if how != "value" or kind is not SectionKind.OUTPUT:
+            if how != "value" or kind is not SectionKind.OUTPUT or self.context.classic:
                 parameters.append(symbol.type_name)
             if how == "value" and kind is not SectionKind.INPUT:
                 results.append(symbol.type_name)
@@ -227,7 +227,7 @@ class _Frame:
         """Make one parameter of an FC ready."""
         name = symbol.type_name
         if how == "value":
-            if kind in {SectionKind.OUTPUT, SectionKind.RETURN}:
+            if kind is SectionKind.RETURN or (kind is SectionKind.OUTPUT and not self.context.classic):
                 type_ = member.type.name if isinstance(member.type, Elementary) else ""
                 self.out.emit(f"{name}={CODECS[type_].default if type_ in CODECS else 'False'}")
         elif how == "reference":

@@ -307,6 +307,8 @@ class Calls:
                 values.append((len(codes), self.expressions.value(argument.value), type_, argument.value))
                 pending.append(values[-1][1])
                 codes.append("")
+            elif self.context.classic:
+                codes.append(self.arguments.found_in_output(argument, type_))
             if how == "value" and kind is not _IN:
                 after.append((argument, type_))
         del pending[before:]
