@@ -44,6 +44,9 @@ CASES = [
     ('BOOL_TO_INT(#f AND #s = 3 OR "Out"(x => #s) = 11 OR #s = 3)', 1),
     ('BOOL_TO_INT(NOT (#s = 3 XOR "Out"(x => #s) = 10))', 1),
     ('"Data".a["Data".n] + "Inc"()', 17),
+    ('MIN(IN1 := "Data".n, IN2 := "Inc"())', 1),
+    ('LIMIT(MN := "Data".n, IN := "Inc"() - 10, MX := 9)', 1),
+    ('SEL(G := "Data".n = 1, IN0 := 20, IN1 := "Inc"())', 10),
 ]
 
 

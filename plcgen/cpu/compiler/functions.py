@@ -194,15 +194,25 @@ class Functions:
             return Val(shifted, type_, pure=pure)
         return Val(f"{name.lower()}({code},{steps},{bits})", type_, raw=type_ in INTEGERS, pure=pure)
 
+    def values(self, expressions: list[ast.Expression]) -> list[tuple[Val, ast.Expression]]:
+        """Values in the order in which they are evaluated, also where a later one is a call."""
+        pending, before = self.context.pending, len(self.context.pending)
+        found: list[tuple[Val, ast.Expression]] = []
+        for expression in expressions:
+            found.append((self.expressions.value(expression), expression))
+            pending.append(found[-1][0])
+        del pending[before:]
+        return found
+
     def extreme(self, node: ast.Call, name: str) -> Val:
         """MIN and MAX of two and more."""
-        values = [(self.expressions.value(expression), expression) for _, expression in self.several(node)]
+        values = self.values([expression for _, expression in self.several(node)])
         return self.common_call(node, name.lower(), values)
 
     def limit(self, node: ast.Call) -> Val:
         """LIMIT(MN, IN, MX)."""
         bound = self.bind(node, ("MN", "IN", "MX"))
-        values = [(self.expressions.value(bound[name]), bound[name]) for name in ("MN", "IN", "MX")]
+        values = self.values([bound[name] for name in ("MN", "IN", "MX")])
         result = self.common_call(node, "limit", values)
         if result.type != UNKNOWN:
             self.context.uses_eno = True
@@ -231,8 +241,7 @@ class Functions:
             return unknown()
         if all(label for label, _ in arguments):
             arguments.sort(key=lambda item: (item[0] not in {"G", "K"}, len(item[0]), item[0]))
-        selector = self.expressions.value(arguments[0][1])
-        values = [(self.expressions.value(expression), expression) for _, expression in arguments[1:]]
+        (selector, _), *values = self.values([expression for _, expression in arguments])
         code = f"int(not not {truth(self.context, selector, node)})" if name == "SEL" else selector.wrapped
         result = self.common_call(node, name.lower(), values)
         if result.type == UNKNOWN:
