@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob
 from plcgen.protocols.ppi.proof.module_scenarios import hangs
 from plcgen.protocols.ppi.proof.reply_scenarios import ready, refusals, wrong_replies
-from plcgen.protocols.ppi.proof.scenario import PpiScenario, fault, repeated
+from plcgen.protocols.ppi.proof.scenario import PpiScenario, fault, lost_once
 from plcgen.protocols.ppi.proof.words import WORDS
 
 
@@ -16,7 +16,7 @@ def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int, *, classic: b
     yield PpiScenario(name="first job after power-up", fresh=True, retries=None, polls=None)
     for at, kind in (("request", "silence"), ("poll", "fcs"), ("poll", "silence")):
         once = fault(kind, "request" if at == "request" else "poll")
-        yield PpiScenario(name=f"{kind} at the {at}", faults=(once,), **repeated(master, polls=at == "poll"))
+        yield PpiScenario(name=f"{kind} at the {at}", faults=(once,), **lost_once(master, polls=at == "poll"))
     dead = (fault("deaf", times=None),)
     yield PpiScenario(
         name="silence forever", faults=dead, status=(WORDS["NO_ANSWER"],), retries=master.retries, polls=0

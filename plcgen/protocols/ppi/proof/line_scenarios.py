@@ -16,7 +16,7 @@ from plcgen.protocols.ppi.proof.scenario import (
     PpiScenario,
     answered_again,
     fault,
-    repeated,
+    lost_once,
 )
 from plcgen.protocols.ppi.proof.words import DONE, WORDS
 from plcgen.protocols.ppi.sim.faults import At
@@ -48,7 +48,7 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
     yield PpiScenario(name="the module hears what it sends", echo=True)
     for name, bend, ignored in bends():
         yield PpiScenario(
-            name=f"reply with {name}", bend=bend, ignored=ignored, damaged=1 - ignored, **repeated(master)
+            name=f"reply with {name}", bend=bend, ignored=ignored, damaged=1 - ignored, **lost_once(master)
         )
     yield PpiScenario(name="a reply of high priority (0Ah)", bend=changed(6, 0x02, sums=True), ignored=0, damaged=0)
     yield from _broken_off(silent, most)
@@ -163,7 +163,7 @@ def _line_refusals(master: PlannedMaster) -> Iterator[PpiScenario]:
         status=silent, retries=most, polls=1,
     )  # fmt: skip
     yield PpiScenario(
-        name="refused with 02h once", faults=(fault("nack", "request", value=2),), **repeated(master, polls=0)
+        name="refused with 02h once", faults=(fault("nack", "request", value=2),), **lost_once(master, polls=0)
     )
 
 
@@ -215,7 +215,7 @@ def _short(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
         lost = (WORDS["NOT_READY"],)
         yield PpiScenario(name=f"{what} instead of the reply", faults=(polled,), polls=master.polls, status=lost)
     short = replace(fault("garbage", "poll"), data=frame(b"\x08\x32\x03", variable=True))
-    yield PpiScenario(name="a frame without an answer", faults=(short,), **repeated(master))
+    yield PpiScenario(name="a frame without an answer", faults=(short,), **lost_once(master))
 
 
 def _alone(master: PlannedMaster) -> Iterator[PpiScenario]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob
-from plcgen.protocols.ppi.proof.scenario import FRAME_MS, LATE_MS, POLL_MS, SCAN_MS, PpiScenario, fault, repeated
+from plcgen.protocols.ppi.proof.scenario import FRAME_MS, LATE_MS, POLL_MS, SCAN_MS, PpiScenario, fault, lost_once
 from plcgen.protocols.ppi.proof.words import CLOCK_END, WORDS
 
 
@@ -47,7 +47,7 @@ def pace_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
             name="pace of the polls, every E5 late", faults=(fault("not_ready", times=None), late),
             status=(WORDS["NOT_READY"],), polls=master.polls, pace=(0, wait, LATE_MS), scan=2,
         )  # fmt: skip
-    yield PpiScenario(name="reply without its last byte", faults=(fault("cut", "poll", value=-1),), **repeated(master))
+    yield PpiScenario(name="reply without its last byte", faults=(fault("cut", "poll", value=-1),), **lost_once(master))
     frames = len(job.telegrams) + (job.kind != "read")
     if most and frames > 1 and (most + 3) * (ack + pause) + reply < job.timeout:
         lost = (fault("deaf", "request"), fault("deaf", "request", most, after=2))

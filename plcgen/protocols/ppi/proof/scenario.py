@@ -92,7 +92,7 @@ def answered_again(master: PlannedMaster) -> tuple[int, ...]:
     return (DONE,) if master.retries else (WORDS["NO_ANSWER"],)
 
 
-def repeated(master: PlannedMaster, polls: int = 1) -> dict[str, Any]:
+def lost_once(master: PlannedMaster, polls: int = 1) -> dict[str, Any]:
     """Expectations of a run in which one frame is lost; ``polls`` is how many there were if that was the end."""
     return {
         "status": answered_again(master),
