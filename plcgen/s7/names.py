@@ -23,7 +23,7 @@ RESERVED = frozenset(
         "BLOCK_SFB",
         "BLOCK_SFC",
     }
-    | {"BOOL", "BY", "BYTE", "CASE", "CHAR", "CONST", "CONSTANT", "CONTINUE", "COUNTER", "DATA_BLOCK", "DATE"}
+    | {"BOOL", "BY", "BYTE", "CASE", "CHAR", "CONST", "CONSTANT", "CONTINUE", "COUNTER", "DATA_BLOCK", "DATE", "DB", "NULL"}
     | {
         "DATE_AND_TIME",
         "DINT",

@@ -18,7 +18,7 @@ _SPELLING = {
 }
 BREAKS = re.compile(r"[\r\n\x0b\x0c\x1c-\x1e\x85\u2028\u2029]+")
 """Everything that begins a new line somewhere."""
-_RESERVED = lexer.KEYWORDS | (_SPELLING.keys() - {"PORT"}) | {"NULL", "VERSION"}
+_RESERVED = lexer.KEYWORDS | (_SPELLING.keys() - {"PORT"}) | {"DB", "NULL", "VERSION"}
 """Names that sources of the TIA Portal have in quotes: keywords, types, and what else was seen there."""
 DEFAULT_STRING = 254
 REMANENCE = MappingProxyType({"RETAIN": "Retain", "DB_SPECIFIC": "SetInIDB"})
