@@ -12,6 +12,8 @@ from xsd_support import validate_islands
 
 from plcgen import api
 from plcgen.s7.layout import layout_block
+from plcgen.s7.types import StructType
+from plcgen.simaticml.datatypes import declared_name
 from plcgen.sources.text import read_source
 
 
@@ -41,6 +43,21 @@ def test_examples_are_what_the_shipped_specs_generate(spec: Path, tmp_path: Path
         changed = sorted(name for name in {*wanted, *hashes} if wanted.get(name) != hashes.get(name))
         assert changed == [], "make example-diff shows every line that differs from the last commit"
         assert found["manifest.json"] == manifest
+
+
+def test_no_generated_member_needs_quotes() -> None:
+    """The TIA Portal has names of members in quotes that are words of SCL or of its own: DB is one of them."""
+    sources = [path for spec in SPECS for path in generated_example(spec.stem).rglob("*.scl")]
+    declared = {
+        member.name
+        for path in sources
+        for block in read_source(path)[0]
+        for section in block.sections
+        for outer in section.members
+        for member in (outer, *(outer.type.members if isinstance(outer.type, StructType) else ()))
+    }
+    assert len(declared) > 300
+    assert [name for name in sorted(declared) if declared_name(name) != name] == []
 
 
 def test_two_examples_are_complete() -> None:
