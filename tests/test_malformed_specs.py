@@ -85,10 +85,12 @@ def _lines(text: str) -> Iterator[tuple[str, str]]:
         if not line.strip() or line.startswith("#"):
             continue
         before, after = "".join(lines[:number]), "".join(lines[number + 1 :])
-        yield f"line {number + 1} missing", before + after
-        yield f"line {number + 1} twice", before + line + line + after
-        yield f"line {number + 1} further in", f"{before} {line}{after}"
-        yield f"line {number + 1} with a tab", f"{before}\t{line}{after}"
+        if number % 2:
+            yield f"line {number + 1} missing", before + after
+            yield f"line {number + 1} further in", f"{before} {line}{after}"
+        else:
+            yield f"line {number + 1} twice", before + line + line + after
+            yield f"line {number + 1} with a tab", f"{before}\t{line}{after}"
 
 
 def _whole(text: str) -> Iterator[tuple[str, str]]:

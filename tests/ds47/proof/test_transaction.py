@@ -177,8 +177,8 @@ jobs:
     write: {P3121.0: null, P3121.2: 1}
     verify: readback
     on_error: {restore: running, reason: a test}
-    save: {persist: drive_object, limit: 3s, interval: 200ms}
-  load: {drive: axis, write_recipe: spool, verify: readback, on_error: restore, save: unit}
+    save: {persist: drive_object, limit: 1s, interval: 200ms}
+  load: {drive: axis, write_recipe: spool, verify: readback, on_error: restore, save: {persist: unit, limit: 2s, interval: 200ms}}
 """
 
 
