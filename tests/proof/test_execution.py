@@ -22,7 +22,7 @@ from plcgen.proof.execution import check_execution
 from plcgen.proof.sharing import Sharing
 
 PROJECTS = {
-    **{f"every type {target}": every_type(target) for target in ("v5", "t3", "t15")},
+    **{f"every type {target}": every_type(target) for target in ("v5", "t15")},
     **{f"{spec.stem} {target}": retargeted(spec, target) for spec in (FAQ, MM4) for target in ("v5", "t3", "t15")},
     **{
         spec.stem: spec.read_text(encoding="utf-8")
@@ -30,7 +30,8 @@ PROJECTS = {
         if spec.stem.startswith("s7-1") and "ppi" not in spec.stem and spec.stem != "s7-1200_plant"
     },
 }
-"""On an S7-1200 the plant has the same code as on an S7-1500 but for the number of places in DriveCalls."""
+"""On an S7-1200 the plant has the same code as on an S7-1500 but for the number of places in DriveCalls; "every type"
+has the same on TIA S7-300 as on STEP 7 V5 but for the spelling, and runs there without faults (tests/documents)."""
 
 
 @cache

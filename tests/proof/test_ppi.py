@@ -76,9 +76,12 @@ def troubles(result: Verification) -> list[str]:
     return found + [d.message for d in result.diagnostics if d.severity.label == "error"]
 
 
-@pytest.mark.parametrize("target", ["t15", "t3", "v5"])
+@pytest.mark.parametrize("target", ["t15", "v5"])
 def test_a_master_passes_every_scenario_with_full_coverage(target: str, tmp_path: Path) -> None:
-    """Joined items, split jobs, arrays, types, bits inside bytes, inputs: on every target."""
+    """Joined items, split jobs, arrays, types, bits inside bytes, inputs: on either module, in either spelling.
+
+    The code for TIA S7-300 is that for STEP 7 V5 in the spelling of the S7-1500; it runs with other specs below.
+    """
     result = api.verify(made(target, tmp_path), tmp_path / "out")
     assert troubles(result) == []
     assert {c.id for c in result.checks()} >= {"coverage.m", "together.m", "faults.m.all", "run.m.go"}

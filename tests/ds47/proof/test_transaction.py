@@ -178,7 +178,12 @@ jobs:
     verify: readback
     on_error: {restore: running, reason: a test}
     save: {persist: drive_object, limit: 1s, interval: 200ms}
-  load: {drive: axis, write_recipe: spool, verify: readback, on_error: restore, save: {persist: unit, limit: 2s, interval: 200ms}}
+  load:
+    drive: axis
+    write_recipe: spool
+    verify: readback
+    on_error: restore
+    save: {persist: unit, limit: 2s, interval: 200ms}
 """
 
 
