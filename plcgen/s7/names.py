@@ -23,7 +23,8 @@ RESERVED = frozenset(
         "BLOCK_SFB",
         "BLOCK_SFC",
     }
-    | {"BOOL", "BY", "BYTE", "CASE", "CHAR", "CONST", "CONSTANT", "CONTINUE", "COUNTER", "DATA_BLOCK", "DATE", "DB", "NULL"}
+    | {"BOOL", "BY", "BYTE", "CASE", "CHAR", "CONST", "CONSTANT", "CONTINUE", "COUNTER", "DATA_BLOCK", "DATE"}
+    | {"DB", "NULL"}  # sources of the TIA Portal have these in quotes
     | {
         "DATE_AND_TIME",
         "DINT",
