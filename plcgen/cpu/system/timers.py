@@ -63,7 +63,7 @@ def timer(kind: str, shape: Shape, clock: list[int]) -> Runner:
     pt_byte, start_byte, wrap = fields.places["PT"][0], fields.places[start][0], (1 << bits - 1)
     delays_on, pulse = kind == "TON", kind == "TP"
 
-    def run(memory: Memory, offset: int, given: int | None = None, again: bool | None = None) -> None:  # noqa: FBT001
+    def run(memory: Memory, offset: int, given: int | None = None, *, again: bool | None = None) -> None:
         active = memory[offset + in_byte] & in_mask != 0 if again is None else again
         if delays_on and not active:
             if memory[offset + running[0]] & running[1] or memory[offset + q_byte] & q_mask:
@@ -116,7 +116,7 @@ def query(shape: Shape, clock: list[int]) -> Runner:
             if passed < preset and code != adds_up:  # nothing is over, as mostly
                 write(memory, offset + et_byte, passed)
             else:
-                runs[code](memory, offset, None, old & 1 != 0)
+                runs[code](memory, offset, again=old & 1 != 0)
 
     return run
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob
-from plcgen.protocols.ppi.proof.replies import bends, changed
+from plcgen.protocols.ppi.proof.replies import Edit, bends, changed
 from plcgen.protocols.ppi.proof.reply_scenarios import ready, refusals, wrong_replies
 from plcgen.protocols.ppi.proof.scenario import (
     FRAME_MS,
@@ -35,7 +35,7 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
     for spot, byte in ((4, "high"), (5, "low")):
         yield PpiScenario(
             name=f"reference with another {byte} byte",
-            edit=lambda pdu, spot=spot: pdu[:spot] + bytes((pdu[spot] ^ 1,)) + pdu[spot + 1 :],  # type: ignore[misc]
+            edit=_flipped(spot),
             status=silent,
             retries=most,
             polls=None,
@@ -75,6 +75,11 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
     yield from refusals(job, every=every)
     yield from _short(master, job)
     yield from wrong_replies(job)
+
+
+def _flipped(spot: int) -> Edit:
+    """One bit of a byte of the PDU is another."""
+    return lambda pdu: pdu[:spot] + bytes((pdu[spot] ^ 1,)) + pdu[spot + 1 :]
 
 
 def _spoilt(master: PlannedMaster) -> Iterator[PpiScenario]:
