@@ -91,7 +91,7 @@ def _show(out: Console, result: GenerateResult, *, looking: bool, stats: bool) -
     if looking and all(d.code == STALE for d in result.diagnostics if d.severity.label == "error"):
         out.say(f"{result.folder} is {'not up to date' if result.diff else 'up to date'}")
     elif not result.ok:
-        out.say(f"{count_text(result.diagnostics)}; nothing was written")
+        out.say(f"{result.folder}: {count_text(result.diagnostics)}; nothing was written")
     else:
         count = len(result.written)
         parts = [f"{count} file{'' if count == 1 else 's'} written"] if count else []

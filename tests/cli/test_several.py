@@ -173,3 +173,13 @@ def test_one_folder_for_one_spec(plcgen, machines):
         assert result.code == 2
         assert "--out is the folder of one spec, not of 2" in result.err
     assert not list(machines.rglob("*_generated"))
+
+
+def test_what_was_not_written_is_named(plcgen, machines):
+    """One wrong spec keeps its own folder as it was; those of the others are written, and the summary says which."""
+    press = machines / "press.yaml"
+    press.write_text(press.read_text("utf-8").replace("sinamics-dcm", "sinamics-dcmm"), "utf-8")
+    result = plcgen("generate", "machines")
+    assert result.code == 1
+    assert result.err.endswith("machines/press_generated: 1 error; nothing was written\n")
+    assert [path.name for path in machines.rglob("*_generated")] == ["saw_generated"]
