@@ -52,7 +52,7 @@ def command(
     """Compare two versions of PLC sources or specs as HMIs, PLCs and drives see them.
 
     OLD and NEW are files (.scl .udt .db .awl, SimaticML), folders or specs. Every change is breaking, compatible
-    or documentation; layout, comments, spaces and the order of files do not count as changes.
+    or documentation. Formatting, comments in code and the order of files do not count as changes.
     """
     out = console()
     if list_changes:

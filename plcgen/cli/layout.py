@@ -53,9 +53,9 @@ def command(
 ) -> int:
     """Show offset, address, type, start value and comment of every member, and every gap.
 
-    For a spec: the request and response data blocks of every telegram. For PLC sources (.db .udt .scl .awl, TIA
-    exports .xml, folders of them): every block in them, with the standard-access layout that a CPU gives it; types
-    may be in other files.
+    For a spec: request and response of every telegram, in data blocks or in the instance. For PLC sources (.db .udt
+    .scl .awl, TIA exports .xml, folders of them): every block in them, with the standard-access layout that a CPU
+    gives it; types may be in other files.
     """
     from plcgen import api
 

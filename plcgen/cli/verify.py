@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 )
 @click.argument("paths", nargs=-1, type=PATH, metavar="SPEC|FOLDER...")
 @folder_option("Generated folder")
-@click.option("--drive", type=PATH, metavar="FILE", help="Drive file: the parameters of your real drive.")
+@click.option("--drive", type=PATH, metavar="FILE", help="Drive file that describes a drive of your own.")
 @click.option(
     "--faults",
     type=click.Choice(FAULTS),

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
+import click
 from docs.pages import PAGES, ROOT
 
 from plcgen import api
+from plcgen.cli.main import cli
 from plcgen.protocols.ds47.words import CHANNEL_STATES, STATUS_WORDS, VARIANTS
 
 _TABLE = re.compile(r"((?:^\|.*\n)+)<!-- keys: (.*) -->", re.MULTILINE)
@@ -18,6 +21,38 @@ def test_the_page_of_the_soft_cpu_names_every_code() -> None:
     sources = " ".join(path.read_text("utf-8") for path in (ROOT / "plcgen" / "cpu").rglob("*.py"))
     page = (ROOT / "docs" / "soft-cpu.md").read_text("utf-8")
     assert set(re.findall(r'"(PG8[23]\d)"', sources)) == set(re.findall(r"^\| (PG8[23]\d) ", page, re.MULTILINE))
+
+
+def _verbs(group: click.Group, name: str = "") -> Iterator[tuple[str, click.Command]]:
+    """Every verb of the command line with its words."""
+    for key in group.list_commands(click.Context(group)):
+        command = group.get_command(click.Context(group), key)
+        assert command is not None
+        words = f"{name} {key}".strip()
+        yield words, command
+        if isinstance(command, click.Group):
+            yield from _verbs(command, words)
+
+
+def test_the_page_of_the_command_line_has_every_verb() -> None:
+    """docs/cli.md has a row for every verb; those of a group may share one."""
+    page = (ROOT / "docs" / "cli.md").read_text("utf-8")
+    rows = re.findall(r"^\| (`.*?) \|", page[: page.index("## The first job")].replace(r"\|", "/"), re.MULTILINE)
+    named = {words.split()[0] for row in rows for words in re.findall(r"`(.*?)`", row)}
+    assert {name for name in dict(_verbs(cli)) if " " not in name} - named == set()
+
+
+def test_every_option_is_on_a_page() -> None:
+    """Every option of every verb, by one of its spellings."""
+    text = "\n".join(page.read_text("utf-8") for page in PAGES)
+    named = set(re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", text))
+    silent = [
+        (words, *option.opts)
+        for words, command in [("plcgen", cli), *_verbs(cli)]
+        for option in command.params
+        if isinstance(option, click.Option) and not named.intersection([*option.opts, *option.secondary_opts])
+    ]
+    assert silent == []
 
 
 def _documented() -> dict[str, set[str]]:
