@@ -17,15 +17,16 @@ _SECTIONS = {
     "S7-1200/1500, PROFINET": """
         The identifier of the Module Access Point (MAP) of the drive object: device view, submodule, Properties > System
         constants; or PLC tags > Show all tags > System constants. Not the head module, the PROFINET interface, a port.
-        The telegram below the access point works in public examples, too.""",
+        The telegram below the access point works, too (Siemens' help on SINA_PARA).""",
     "S120: several drive objects": """
         Each has an access point of its own: take it together with its number, and put the objects into one unit
         (units:). Record index B02E finds the object by the identifier alone, B02F by drive_object.""",
     "ET 200": """
         The slot of the converter, or the access point below it; never the interface module of the station.""",
     "PROFIBUS": """
-        S7-300/400: address is the first input address of the drive's process data; with outputs alone the output
-        address, and output_address: true. S7-1200/1500: the identifier of that slot. Record index 47.""",
+        S7-300/400: address is that of the slot with the drive's process data, the lower one if it has inputs and
+        outputs; with outputs alone the output address, and output_address: true. The master's DP interface must be
+        set to DPV1. S7-1200/1500: the identifier of that slot. Record index 47.""",
     "In the spec": """
         hardware_id: 270, or the name of the constant: hardware_id: "pump~Drive_1~Module_Access_Point". The name stays
         right when the TIA Portal changes the numbers.""",
