@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import click
 from docs.pages import PAGES, ROOT
 
+import plcgen
 from plcgen import api
 from plcgen.cli.main import cli
 from plcgen.protocols.ds47.words import CHANNEL_STATES, STATUS_WORDS, VARIANTS
@@ -53,6 +54,14 @@ def test_every_option_is_on_a_page() -> None:
         if isinstance(option, click.Option) and not named.intersection([*option.opts, *option.secondary_opts])
     ]
     assert silent == []
+
+
+def test_the_page_of_the_command_line_has_every_function() -> None:
+    """docs/cli.md names every function of the package."""
+    page = (ROOT / "docs" / "cli.md").read_text("utf-8")
+    listed = page[page.index("## From Python") : page.index(" return what they find")].rpartition("```")[2]
+    functions = {name for name in plcgen.__all__ if name.islower() and not name.startswith("_")}
+    assert set(re.findall(r"`(\w+)`", listed)) == functions
 
 
 def _documented() -> dict[str, set[str]]:

@@ -5,6 +5,7 @@ import sys
 
 import pytest
 
+from plcgen.protocols.ds47.explanation import error_page
 from plcgen.protocols.ds47.wire.description import ARRAY, ELEMENTS, READ_ONLY, Description
 from plcgen.protocols.ds47.wire.errors import error_text, known_numbers
 from plcgen.protocols.ds47.wire.formats import FormatValueError
@@ -46,6 +47,12 @@ def test_manufacturer_numbers_belong_to_a_table():
     assert error_text(0x80).meaning == "manufacturer-specific"
     assert error_text(0x24).meaning == "reserved"
     assert error_text(0x0100).manufacturer
+
+
+def test_an_error_number_without_a_meaning_has_none_of_sinamics():
+    """Only a number of the SINAMICS table is said to be one: 6Bh, not 8Bh."""
+    notes = [[text for heading, text in error_page(number).sections if heading == "Note"] for number in (0x6B, 0x8B)]
+    assert ["SINAMICS" in " ".join(found) for found in notes] == [True, False]
 
 
 def test_error_explained_with_its_information_word():

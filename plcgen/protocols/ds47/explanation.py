@@ -5,7 +5,7 @@ from __future__ import annotations
 from plcgen.display.page import Page
 from plcgen.display.view import PLAIN
 from plcgen.protocols.ds47.texts import status_text
-from plcgen.protocols.ds47.wire.errors import MANUFACTURER_FIRST, error_text
+from plcgen.protocols.ds47.wire.errors import MANUFACTURER_FIRST, error_text, known_numbers
 from plcgen.protocols.ds47.wire.status import explain_codes, explain_status, explain_word
 from plcgen.protocols.ds47.words import STATUS_WORDS
 
@@ -36,7 +36,7 @@ def error_page(number: int) -> Page:
     sections = [("Information word", info), ("Source", error.origin)]
     if error.note:
         sections.append(("Note", error.note))
-    if number >= MANUFACTURER_FIRST:
+    if number >= MANUFACTURER_FIRST and number in known_numbers():
         sections.append(
             ("Note", "65h to FFh belong to the manufacturer: this is the SINAMICS meaning, other drives differ")
         )
