@@ -138,3 +138,19 @@ def test_decode_and_encode():
     assert plcgen.decode_status(0xDF80B500).retry.value == "temporary"
     assert plcgen.explain("0x11").key == "11h"
     assert plcgen.explain("nonsense") is None
+
+
+@pytest.mark.parametrize(
+    ("word", "drive_job", "master"),
+    [
+        ("16#8205", "the request was lost", "the station was not ready after MAX_POLLS polls"),
+        ("16#8302", "response id does not belong", "the station refused the frame"),
+        ("16#8109", "another instance uses the slot", ""),
+    ],
+)
+def test_a_status_word_is_explained_for_both_kinds_of_blocks(word, drive_job, master):
+    """docs/generated-code.md and docs/ppi-master.md give one number different meanings: both are shown."""
+    page = plcgen.explain(word)
+    assert drive_job in page.title
+    found = dict(page.sections).get("Of a PPI master", "")
+    assert (found.startswith(master), bool(found)) == (True, bool(master))

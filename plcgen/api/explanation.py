@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 
 from plcgen.diagnostics.codes import all_codes
@@ -23,8 +24,11 @@ def explain_page(key: str) -> Page | None:
         return hardware.hardware_page()
     match = _NUMBER.match(text)
     digits = match[1].replace("_", "") if match else ""
-    pages = (protocol.explain(digits) for protocol in protocols() if match)
-    return next((page for page in pages if page is not None), None)
+    pages = [page for protocol in protocols() if match and (page := protocol.explain(digits)) is not None]
+    if not pages:
+        return None
+    sections = tuple(section for page in pages for section in page.sections)
+    return dataclasses.replace(pages[0], sections=sections)
 
 
 def _diagnostic(code: str) -> Page | None:

@@ -100,7 +100,17 @@ class Ppi:
         return shown_request(data)
 
     def explain(self, digits: str) -> Page | None:
-        """The words of masters stand in their own table, docs/ppi-master.md."""
+        """The status word of a master: some have another meaning than those of drive jobs."""
+        from plcgen.display.page import Page
+        from plcgen.protocols.ppi.words import STATUS_WORDS
+
+        known = {f"{word:04X}": f"{text} ({name})" for name, word, text in STATUS_WORDS if word}
+        text = known.get(digits.upper())
+        return (
+            None
+            if text is None
+            else Page(f"16#{digits.upper()}", "status of a PPI master", (("Of a PPI master", text),))
+        )
 
     def proof(self, plan: PpiPlan) -> PpiProof:
         """Scenarios of line, module and stations."""

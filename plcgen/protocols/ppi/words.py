@@ -1,7 +1,7 @@
 """The status words and states of a PPI master: one table for the templates and the manual page.
 
-The 16#7000 words follow the custom of Siemens' system blocks; 16#8xxx are this product's own and mean the same as those
-of the drive jobs where both have them.
+The 16#7000 words follow the custom of Siemens' system blocks; 16#8xxx are this product's own. Some of them mean
+something else than those of the drive jobs, so both are explained.
 """
 
 from __future__ import annotations
