@@ -104,13 +104,10 @@ class Ppi:
         from plcgen.display.page import Page
         from plcgen.protocols.ppi.words import STATUS_WORDS
 
-        known = {f"{word:04X}": f"{text} ({name})" for name, word, text in STATUS_WORDS if word}
-        text = known.get(digits.upper())
-        return (
-            None
-            if text is None
-            else Page(f"16#{digits.upper()}", "status of a PPI master", (("Of a PPI master", text),))
-        )
+        for name, word, text in STATUS_WORDS:
+            if word and digits.upper() == f"{word:04X}":
+                return Page(f"16#{word:04X}", "status of a PPI master", (("Of a PPI master", f"{text} ({name})"),))
+        return None
 
     def proof(self, plan: PpiPlan) -> PpiProof:
         """Scenarios of line, module and stations."""
