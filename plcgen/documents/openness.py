@@ -9,6 +9,7 @@ from typing import Any
 from plcgen.documents.document import Document
 from plcgen.documents.overview import Overview
 from plcgen.documents.simaticml import VERSION_NOTE, WATCH_NOTE
+from plcgen.documents.spelling import culture
 from plcgen.project.nouns import Project
 
 SCRIPT_NOTE = "the script was not run against a TIA Portal"
@@ -27,6 +28,7 @@ def openness_documents(project: Project, seen: Overview, note: str) -> Iterator[
         "version": version,
         "t15": project.target.t15,
         "steps": steps,
+        "cultures": [culture(language) for language in project.languages],
         "experimental": _experimental(version, steps, seen.notes, note),
     }
     yield Document("xml/IMPORT.md", "text/xml_import.md.j2", view)

@@ -23,9 +23,9 @@ from plcgen.simaticml.versions import VERSIONS
 from plcgen.simaticml.writing.documents import Setting
 from plcgen.simaticml.writing.twin import code_document, instance_document, read_block
 
-RECORD_NOTE = "the call form of WRREC and RDREC is inferred; no genuine export was at hand to compare with"
-VERSION_NOTE = "no genuine export of this TIA Portal version was at hand to compare with"
-WATCH_NOTE = "watch tables follow the Openness manual; no genuine export was at hand to compare with"
+RECORD_NOTE = "the call form of WRREC and RDREC is inferred; no genuine export was available to compare with"
+VERSION_NOTE = "no genuine export of this TIA Portal version was available to compare with"
+WATCH_NOTE = "watch tables follow the Openness manual; no genuine export was available to compare with"
 _MAIN_NUMBER = 1
 
 Twins = Callable[[str], Iterator[Document]]

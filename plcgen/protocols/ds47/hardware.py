@@ -46,7 +46,7 @@ def hardware_page() -> Page:
 def lookup(drive: PlannedDrive, *, classic: bool) -> str:
     """What to look up for one drive, and where."""
     if classic:
-        return "hardware configuration: first input address of the slot with the process data of the drive"
+        return "hardware configuration: address of the slot with the process data of the drive (of two, the lower one)"
     if drive.record_index == PROFIBUS_INDEX:
         return (
             "device view of the drive: System constants of its Module Access Point (PROFINET), "

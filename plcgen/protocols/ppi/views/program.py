@@ -18,7 +18,7 @@ from plcgen.protocols.ppi.words import CLOCK_END, DRAIN_MS, ONLY_CLASSIC, ONLY_N
 from plcgen.s7.types import Elementary
 
 SERIAL_NOTE = (
-    "the call form of the blocks for serial modules is inferred; no genuine export was at hand to compare with"
+    "the call form of the blocks for serial modules is inferred; no genuine export was available to compare with"
 )
 MAX_MESSAGE = 512
 """The length at which the module ends a message."""
