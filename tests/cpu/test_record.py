@@ -322,9 +322,10 @@ def test_jobs_in_milliseconds():
     [("profinet", 40, 0), ("profibus", 40, 20), ("profibus", 15, 15), ("profibus", 20, 0), ("profibus", 8, 0)],
 )
 def test_lengths_of_a_read(network, length, status):
-    """MLEN may be longer than RECORD (20 bytes); on PROFIBUS STATUS[4] is the RECORD's length then.
+    """MLEN longer than RECORD (20 bytes) is a misuse, no error; on PROFIBUS STATUS[4] is the RECORD's length then.
 
-    It is MLEN if the record (8 bytes) is shorter and RECORD longer than MLEN (help, "Field element STATUS[4]").
+    Help, RDREC: "Select the target range RECORD at least MLEN bytes long". STATUS[4] is MLEN if the record (8 bytes) is
+    shorter and RECORD longer than MLEN (help, "Field element STATUS[4]").
     """
     code = CASE["code"].replace("VALID => #valid", "STATUS => #readStatus, VALID => #valid")
     case = {**CASE, "out": CASE["out"] + " readStatus : DWord;", "code": code.replace("MLEN := 20", "MLEN := #mlen")}
@@ -337,7 +338,7 @@ def test_lengths_of_a_read(network, length, status):
     for _ in range(2):
         cpu.call("Test_DB", 10, read=False)
     assert (cpu["Test_DB.valid"], cpu["Test_DB.readStatus"], cpu["Test_DB.count"]) == (True, status, 8)
-    assert cpu.misuses == []
+    assert [misuse.code for misuse in cpu.misuses] == (["PG658"] if length > 20 else [])
 
 
 def test_restart_drops_jobs():

@@ -10,6 +10,8 @@ from plcgen.diagnostics import PlcgenError
 
 _CODES = {0x80: "P", 0x81: "I", 0x82: "Q", 0x83: "M", 0x84: "DB", 0x85: "DB", 0x86: "L"}
 _AREA_CODES = {"P": 0x80, "I": 0x81, "Q": 0x82, "M": 0x83, "DB": 0x84, "L": 0x86}
+_PEEKED = {0x81: False, 0x82: False, 0x83: False, 0x84: True}
+"""Areas of PEEK and POKE, I, Q, M and DB, and whether DBNUMBER may be other than 0 (help of the TIA Portal)."""
 _BAD_POSITION = 0x80B4 - 0x10000
 _SIZES = {1: 1, 2: 1, 3: 1, 4: 2, 5: 2, 6: 4, 7: 4, 8: 4, 9: 2, 10: 4, 11: 4, 12: 2, 14: 8, 0x13: 1}
 _BOOL = 1
@@ -259,7 +261,8 @@ class MemoryMoves:
 
     def memory(self, code: int, number: int, offset: int, size: int) -> Memory:
         """Memory that has the bytes; AccessFaultError if not."""
-        found = self.area(code, number)
+        named = code in _PEEKED and (not number or _PEEKED[code])
+        found = self.area(code, number) if named else None
         if found is None or offset < 0 or offset + size > len(found):
             where = f"area 16#{code:02X}, DB{number}" if found is None else describe(found)
             raise AccessFaultError("PG834", f"byte {offset} is not in {where}")

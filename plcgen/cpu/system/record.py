@@ -213,8 +213,11 @@ class RecordBlock:
         if target is None or first < 0 or first + room > len(target):
             self.report("PG834", f"RECORD of {self.kind} is not inside a data block")
             return BAD_RECORD
-        if job.length > room and self.write:
-            return BAD_RECORD
+        if job.length > room:
+            if self.write:
+                return BAD_RECORD
+            # help, RDREC: "Select the target range RECORD at least MLEN bytes long"; it says nothing of an error
+            self.report("PG658", f"MLEN of {self.kind} is {job.length}, RECORD has room for {room} bytes")
         if self.cpu.bus.find(job.address) is None:
             return NO_MODULE
         if not self.cpu.free(write=self.write):
