@@ -85,7 +85,7 @@ EQUIVALENT = {
         "of two telegrams, the one before and the one behind are the same"
     ),
     r"^\w+: 0 -> 1: IF statLast > 0 AND NOT statChanged THEN": "a buffer is read in two telegrams at least",
-    r"^\w+: (0 -> 1|7 -> 8|13 -> 14|25 -> 26|93 -> 94): FOR tempIndex := 0 TO \d+ DO statResponse\d*\[tempIndex\] :=": (
+    r"^\w+: (0|7|13|25|93|213) -> \d+: FOR tempIndex := 0 TO \d+ DO statResponse\d*\[tempIndex\] :=": (
         "of an answer in an instance only the values are read: neither its reference nor a byte behind it"
     ),
     r"^\w+: 2 -> 3: tempApart := LIMIT\(MN := -2, IN := 256 \* tempApart": (
@@ -117,6 +117,9 @@ EQUIVALENT = {
         "another step that waits comes before it in every run, and has the same times"
     ),
     r"^ReadHistory: dropped: statOrder\.length := 10 \(2\)$": "the telegram before it is as long",
+    r"^ReadHistory: 8 -> 9: FOR tempIndex := tempPlace \+ 1 TO 8 DO": (
+        "place 9 is the first one of the next group, which fills or clears it in the same call"
+    ),
     r"^CheckRecipe: dropped: statOrder\.length := 16 \(2\)$": "the telegram before it is as long",
     r"^CheckRecipe: 6 -> 7: statDeviations.*index := .*\(3\)$": "the last parameter has no index: its bytes are all 0",
     r"^CheckRecipe: exchanged: FOR tempIndex := 300": "two pieces of one input, whichever is copied first",
