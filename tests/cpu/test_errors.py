@@ -199,6 +199,7 @@ def test_dialect():
         ("T15", "Word DInt", "#b := #a;", True),
         ("T15", "Word DInt", "#b := #b + #a;", True),
         ("T15", "Real Int", "#b := #a;", True),
+        ("T15", "UInt Int", "#b := #b + #a;", True),
         ("T15", "Time DInt", "#b := #a;", True),
         ("T15", "Word Real", "#b := #a;", False),
         ("T15", "Bool Int", "#b := #a;", False),

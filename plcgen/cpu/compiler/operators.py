@@ -26,6 +26,7 @@ from plcgen.cpu.type_rules import (
     SIGNED,
     STAMPS,
     TEXTS,
+    UNSIGNED,
     WIDTHS,
     bit_string,
     common_bits,
@@ -69,6 +70,15 @@ def wide_enough(value: Val, other: str) -> Val:
         return value
     room = (name for name in SIGNED if RANGES[name][0] <= value.const <= RANGES[name][1])
     return replace(value, type=next(room, INT_CONST))
+
+
+def signs_differ(left: Val, right: Val) -> bool:
+    """Whether an integer with a sign meets one without; constants take the type of the other.
+
+    Arithmetic with them needs the IEC check off (help of the TIA Portal, "Arithmetic expressions").
+    """
+    kinds = {value.type for value in (left, right) if value.const is None}
+    return len(kinds & SIGNED.keys()) == 1 and len(kinds & UNSIGNED.keys()) == 1
 
 
 @dataclass(slots=True, eq=False)
@@ -240,6 +250,8 @@ class Operators:
         timed = {left.type, right.type} & _TIMED
         if timed or left.type in _ORDERED or right.type in _ORDERED:
             return self.time_arithmetic(node, left, right)
+        if self.context.rules.checked and signs_differ(left, right):
+            return self.mismatch(node, left, right)
         left, right = self.counted(left, right.type, node.left), self.counted(right, left.type, node.right)
         common = common_type(left.type, right.type, self.context.rules)
         if common in BITS and self.context.rules.dialect.is_tia and not self.context.rules.checked:
