@@ -74,7 +74,7 @@ EQUIVALENT = {
     r"^DriveChannel: dropped: statAsk := statAsk MOD 30000 \+ 1 \(2\)$": (
         "a pause gives the place back; until the gate has taken it, it is this channel's under the old number, too"
     ),
-    r"^\w+: 0 -> 1: FOR tempIndex := 0 TO \d+ DO unit\.telegram\[tempIndex\] :=": (
+    r"^\w+: 0 -> 1: FOR temp(Index|Byte) := 0 TO \d+ DO unit\.telegram\[temp(Index|Byte)\] :=": (
         "the first byte is the reference, which the channel puts there"
     ),
     r"^DriveChannel: dropped: statProbe := NOT tempProbe": (
@@ -85,7 +85,7 @@ EQUIVALENT = {
         "of two telegrams, the one before and the one behind are the same"
     ),
     r"^\w+: 0 -> 1: IF statLast > 0 AND NOT statChanged THEN": "a buffer is read in two telegrams at least",
-    r"^\w+: (0|7|13|25|93|213) -> \d+: FOR tempIndex := 0 TO \d+ DO statResponse\d*\[tempIndex\] :=": (
+    r"^\w+: (0|7|13|17|25|93|213) -> \d+: FOR tempIndex := 0 TO \d+ DO statResponse\d*\[tempIndex\] :=": (
         "of an answer in an instance only the values are read: neither its reference nor a byte behind it"
     ),
     r"^\w+: 2 -> 3: tempApart := LIMIT\(MN := -2, IN := 256 \* tempApart": (
@@ -107,12 +107,27 @@ EQUIVALENT = {
     r"^LoadWinding: 5 -> 6: FOR tempIndex := 1 TO 5 DO \(1\)$": (
         "the channel says of a place behind the last one what stands there already: no answer"
     ),
-    r"^Set(Limits|Filter): > -> >=: IF statTicket\.ask\.telegram > 1 AND cause = W#16#0000": (
+    r"^Set(Limits|Filter|Mop): > -> >=: IF statTicket\.ask\.telegram > 1 AND cause = W#16#0000": (
         "a good telegram 1 is no cause, and if it fails, its status becomes the cause in the same call"
     ),
     r"^SetFilter: \+ -> -: statReturning := statReturning \+ 1": "of one parameter: it counts only whether it is 0",
-    r"^SetMop: exchanged: FOR tempByte := 0 TO 1 DO unit\.telegra": "the type of a value and the value, side by side",
-    r"^CheckAxis: 6 -> 7: deviations\[tempOthers\]\.index := .* \(1\)$": "no parameter has an index: the bytes are 0",
+    r"^Set(Limits|Filter|Mop): (< -> <=|2 -> 3): IF statTicket\.error AND \(cause = ": (
+        "with a cause, telegram 2 ends well unless another job takes the slot in the same call: either is why"
+    ),
+    r"^Set(Limits|Mop): exchanged: FOR tempByte := 0 TO 1 DO unit\.telegra": (
+        "the type of a value and the value, side by side"
+    ),
+    r"^Set(Limits|Mop): (1 -> 2|2 -> 3|5 -> 6): FOR tempByte := 0 TO [125] DO unit\.telegram\[": (
+        "the next byte is written behind it: number of parameters, next address or first value"
+    ),
+    r"^Set(Limits|Mop): (2 -> 3|3 -> 4): FOR tempIndex := 1 TO [23] DO \(2\)$": (
+        "the channel says of a place behind the last one what stands there already: no answer"
+    ),
+    r"^SetMop: (B#16#04 -> B#16#05: IF rounding|B#16#FA -> B#16#FB: statRequest2)": "bit 0 is always written, as 1",
+    r"^CheckAxis: (\+ -> -|\* -> \+|6 -> 7): deviations\[tempOthers\]\.index := .* \(1\)$": (
+        "no parameter has an index: the bytes are 0"
+    ),
+    r"^CheckAxis: (8 -> 9|OR -> AND): deviations\[tempOthers\]\.index :=": "no parameter has an index: the bytes are 0",
     r"^SetUp: dropped: (statLimit := L#5000|statInterval := L#500) \(2\)$": (
         "another step that waits comes before it in every run, and has the same times"
     ),
@@ -123,8 +138,10 @@ EQUIVALENT = {
     r"^CheckRecipe: dropped: statOrder\.length := 16 \(2\)$": "the telegram before it is as long",
     r"^CheckRecipe: 6 -> 7: statDeviations.*index := .*\(3\)$": "the last parameter has no index: its bytes are all 0",
     r"^CheckRecipe: exchanged: FOR tempIndex := 300": "two pieces of one input, whichever is copied first",
-    r"^CheckDrive: \d+ -> \d+: FOR tempPart := 0 TO": "behind the wanted answer are zeros: no value",
-    r"^CheckDrive: DW#16#0000FFFF -> \S+: .*\.wanted :=": "a source has more digits than a REAL: the last bit is lost",
+    r"^Check(Drive|Axis): \d+ -> \d+: FOR tempPart := 0 TO": "behind the wanted answer are zeros: no value",
+    r"^Check(Drive|Axis): DW#16#0000FFFF -> \S+: .*\.wanted :=": (
+        "a source has more digits than a REAL: the last bit is lost"
+    ),
     r"^ppi_cp341: (< -> <=|0 -> 1): IF tempElapsed < 0 THEN": (
         "0 and 2147483648 are -2147483648 in a DINT, which is before the end of every time, as 0 is"
     ),

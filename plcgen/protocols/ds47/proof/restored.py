@@ -156,9 +156,11 @@ class Restoration:
         tells = status in OUTCOMES or (status == NOT_SAVED and self.job.guarded)
         if (tells and not cause) or (not tells and cause != status):
             raise ScenarioError(f"cause is 16#{cause:04X} with status 16#{status:04X}")
+        last = max(self.starts, default=0)
+        if not tells and status != DONE and last >= WRITE:
+            raise ScenarioError(f"status 16#{status:04X} does not tell that telegram {last} has changed the drive")
         if not scenario.checked:
             return
-        last = max(self.starts, default=0)
         if self.saves:
             wanted = DONE if status == DONE else NOT_SAVED, last
         elif status == DONE:

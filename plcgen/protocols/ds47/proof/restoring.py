@@ -55,7 +55,7 @@ def restoring(job: DriveJob) -> Iterator[DriveScenario]:
 
 
 def _refused(job: DriveJob) -> Iterator[DriveScenario]:
-    """The drive takes all values but one."""
+    """The drive takes all values but one, or one alone."""
     for place in positions(job.telegrams[1]):
         for state in (DriveScenario(name="").state, *(STATES if place == 1 else ())):
             yield DriveScenario(
@@ -67,6 +67,17 @@ def _refused(job: DriveJob) -> Iterator[DriveScenario]:
                 telegram=WRITE,
                 state=state,
             )
+    count = len(job.telegrams[1].parts)
+    if count > 1:
+        yield DriveScenario(
+            name=f"parameter {count} alone is taken, the drive runs",
+            faults=tuple(fault(job, WRITE, place, NOT_ALLOWED, 1) for place in range(1, count)),
+            errors={(WRITE, place): (0x8000 | NOT_ALLOWED, 0) for place in range(1, count)},
+            status=OUTCOMES,
+            causes=(WORDS["PARAMETER_ERROR"],),
+            telegram=WRITE,
+            state=RUNS,
+        )
 
 
 def _relax(drive: Drive) -> None:
