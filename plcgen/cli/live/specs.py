@@ -28,6 +28,6 @@ def drive_project(spec: Path) -> tuple[Project, DrivePlan]:
     if checked.project is None or not checked.ok:
         raise DiagnosticError(list(checked.diagnostics))
     plan = checked.project.plan(DrivePlan)
-    if plan is None:
+    if plan is None or not plan.jobs:
         raise click.UsageError(f"{spec} has no drive jobs")
     return checked.project, plan

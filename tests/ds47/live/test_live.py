@@ -151,6 +151,30 @@ def test_compare_needs_to_know_which_drive(spec):
     assert plcgen("live", "compare", spec, "--drive", "pump=127.0.0.1")[0] == 2
 
 
+NO_DRIVE_JOBS = """\
+plc: {name: A, family: s7-1200, toolchain: tia-v19}
+ppi: {p: {module: cm1241, port: 270, stations: {s: {address: 2}}, jobs: {j: {station: s, read: [VB1]}}}}
+drives: """
+
+
+@pytest.mark.parametrize("drives", ["{}", "{fan: {device: sinamics-g120, hardware_id: 270}}"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("live", "compare", "job.yaml", "--drive", "127.0.0.1"),
+        ("live", "db", "job.yaml", "--cpu", "127.0.0.1", "--all"),
+        ("catalogue", "drift", "list.csv", "job.yaml"),
+    ],
+)
+def test_a_spec_without_drive_jobs(tmp_path, monkeypatch, drives, words):
+    """Its section of drives is empty, or nothing is done with them: it is said before anybody is asked."""
+    monkeypatch.chdir(tmp_path)
+    Path("job.yaml").write_text(NO_DRIVE_JOBS + drives + "\n", "utf-8")
+    code, out, err = plcgen(*words)
+    assert (code, out) == (2, "")
+    assert err.startswith("error[PG901]: job.yaml has no drive jobs\n")
+
+
 REQUEST = bytes.fromhex("01 02 01 02 10 01 04 60 00 00 10 01 04 61 00 00 08 01 41 20 00 00 08 01 00 00 00 00")
 """By hand: change, object 1, two parameters; 1120 = 0460h, 1121 = 0461h; FloatingPoint 10.0, FloatingPoint 0.0."""
 
