@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.api import default_folder
-from plcgen.cli.options import PATH, console, verb
+from plcgen.cli.options import PATH, console, faults_option, verb
 from plcgen.cli.output import OK, PROBLEMS, Console
-from plcgen.proof.effort import FAULTS, Faults
+from plcgen.proof.effort import Faults
 
 if TYPE_CHECKING:
     from plcgen.api import GenerateResult
@@ -26,11 +26,7 @@ _NAME = 26
     "plcgen demo /tmp/plcgen",
 )
 @click.argument("folder", type=PATH, default="plcgen-demo", metavar="[DIR]")
-@click.option(
-    "--faults",
-    type=click.Choice(FAULTS),
-    help="How many faults the generated SCL runs through.  [default: quick for small specs, none for others]",
-)
+@faults_option(None, "quick for small specs, none for others")
 def command(*, folder: Path, faults: Faults | None) -> int:
     """Copy the shipped specs to DIR (plcgen-demo), generate their blocks and verify them, one line per spec.
 

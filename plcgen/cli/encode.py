@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.completed import devices
-from plcgen.cli.options import console, format_option, verb
+from plcgen.cli.options import console, device_option, format_option, verb
 from plcgen.cli.output import Console
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 
@@ -29,9 +28,7 @@ if TYPE_CHECKING:
 @click.argument("words", nargs=-1, required=True, metavar="SPEC [JOB] | read P... | write P=VALUE:TYPE...")
 @click.option("--do", "drive_object", type=click.IntRange(0, 255), help="Drive object.  [default: the device's, or 1]")
 @click.option("--ref", "reference", type=click.IntRange(1, 255), default=1, help="Request reference.  [default: 1]")
-@click.option(
-    "--device", metavar="DEVICE", shell_complete=devices, help="Device profile: names, data types, drive object."
-)
+@device_option("Device profile: names, data types, drive object.")
 @format_option("answer")
 def command(
     *, words: tuple[str, ...], drive_object: int | None, reference: int, device: str | None, format_: OutputFormat

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.completed import devices, toolchains
-from plcgen.cli.options import PATH, console, verb
+from plcgen.cli.completed import toolchains
+from plcgen.cli.options import PATH, console, device_option, verb
 from plcgen.cli.output import OK
 from plcgen.cli.starter import RECIPES, starter, usable
 from plcgen.s7.families import FAMILIES
@@ -24,13 +24,7 @@ if TYPE_CHECKING:
     "plcgen new fan.yaml --device sinamics-g120 --job actual-values --job faults",
 )
 @click.argument("path", type=PATH, default="job.yaml", metavar="[PATH]")
-@click.option(
-    "--device",
-    default="sinamics-s120",
-    metavar="DEVICE",
-    shell_complete=devices,
-    help="Device profile.  [default: sinamics-s120]",
-)
+@device_option("Device profile.  [default: sinamics-s120]", default="sinamics-s120")
 @click.option("--family", type=click.Choice(FAMILIES), default="s7-1500", help="CPU family.  [default: s7-1500]")
 @click.option(
     "--toolchain",

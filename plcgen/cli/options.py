@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from plcgen.cli.completed import devices
 from plcgen.cli.output import Console
 from plcgen.input.files import YAML_SUFFIXES
 
@@ -150,6 +151,21 @@ def output_option(verb: Callback) -> Callback:
         "-o", "--output", type=PATH, metavar="FILE", help="Write the result to FILE instead of stdout."
     )
     return option(verb)
+
+
+def device_option(
+    help_: str = "Device profile, or the path of one.", **settings: Any
+) -> Callable[[Callback], Callback]:
+    """Add ``--device``, which completes the names of devices; ``settings`` are those of click."""
+    return click.option("--device", metavar="DEVICE", shell_complete=devices, help=help_, **settings)
+
+
+def faults_option(default: str | None = "quick", told: str = "quick") -> Callable[[Callback], Callback]:
+    """Add ``--faults``; ``told`` is the default as the help says it."""
+    from plcgen.proof.effort import FAULTS
+
+    help_ = f"How many faults the generated SCL runs through.  [default: {told}]"
+    return click.option("--faults", type=click.Choice(FAULTS), default=default, help=help_)
 
 
 def folder_option(what: str) -> Callable[[Callback], Callback]:

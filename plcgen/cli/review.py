@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import PATH, console, folder_option, format_option, output_option, verb
+from plcgen.cli.options import PATH, console, faults_option, folder_option, format_option, output_option, verb
 from plcgen.cli.output import OK, PROBLEMS, USAGE
-from plcgen.proof.effort import FAULTS, Faults
+from plcgen.proof.effort import Faults
 
 if TYPE_CHECKING:
     from plcgen.output.registry import OutputFormat
@@ -29,13 +29,7 @@ if TYPE_CHECKING:
 @click.option(
     "--lock", type=PATH, metavar="FILE", help="Layout lock.  [default: plcgen.lock.yaml beside the spec, if it exists]"
 )
-@click.option(
-    "--faults",
-    type=click.Choice(FAULTS),
-    default="quick",
-    show_default=True,
-    help="How many faults the generated SCL runs through.",
-)
+@faults_option()
 @click.option(
     "--fault",
     default="",

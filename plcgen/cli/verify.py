@@ -9,9 +9,18 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from plcgen.api import default_folder
-from plcgen.cli.options import PATH, console, folder_option, format_option, output_option, strict_option, verb
+from plcgen.cli.options import (
+    PATH,
+    console,
+    faults_option,
+    folder_option,
+    format_option,
+    output_option,
+    strict_option,
+    verb,
+)
 from plcgen.cli.watch import watch_option
-from plcgen.proof.effort import FAULTS, Faults
+from plcgen.proof.effort import Faults
 
 if TYPE_CHECKING:
     from plcgen.output.registry import OutputFormat
@@ -30,13 +39,7 @@ if TYPE_CHECKING:
 @click.argument("paths", nargs=-1, type=PATH, metavar="SPEC|FOLDER...")
 @folder_option("Generated folder")
 @click.option("--drive", type=PATH, metavar="FILE", help="Drive file that describes a drive of your own.")
-@click.option(
-    "--faults",
-    type=click.Choice(FAULTS),
-    default="quick",
-    show_default=True,
-    help="How many faults the generated SCL runs through.",
-)
+@faults_option()
 @click.option("--engine", is_flag=True, help="Run the proof of the drive engine, even if the engine is known.")
 @click.option("--oracle", type=click.Choice(["tshark"]), help="Also check every telegram with Wireshark's dissector.")
 @click.option("--cache", type=PATH, metavar="DIR", help="Where verdicts are kept.  [default: the user's cache folder]")

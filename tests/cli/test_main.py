@@ -284,6 +284,9 @@ def test_completion(plcgen, shell):
     [
         (["new", "--device"], "sinamics-s12", ["sinamics-s120"]),
         (["encode", "read", "--device"], "sinamics-s12", ["sinamics-s120"]),
+        (["live", "read", "--device"], "sinamics-s12", ["sinamics-s120"]),
+        (["catalogue", "show", "--device"], "sinamics-s12", ["sinamics-s120"]),
+        (["catalogue", "import", "--device"], "sinamics-s12", ["sinamics-s120"]),
         (["new", "--toolchain"], "tia-v2", ["tia-v20", "tia-v21"]),
         (["explain"], "pg20", ["PG201", "PG202", "PG203", "PG204", "PG205", "PG206", "PG207", "PG208", "PG209"]),
         ([], "rev", ["review"]),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import PATH, console, format_option, verb
+from plcgen.cli.options import PATH, console, device_option, format_option, verb
 
 if TYPE_CHECKING:
     from plcgen.display.results import Answer
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     "plcgen catalogue import r980.csv --device sinamics-s120",
 )
 @click.argument("file", type=PATH, metavar="FILE")
-@click.option("--device", required=True, metavar="DEVICE", help="Device profile, or the path of one.")
+@device_option(required=True)
 @click.option("--profile", type=PATH, metavar="FILE", help="Write a profile with the result, for device: ./FILE.")
 @click.option("--force", is_flag=True, help="Overwrite an existing profile.")
 @format_option("answer")

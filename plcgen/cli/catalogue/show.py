@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.arguments import ARGUMENTS
-from plcgen.cli.options import console, format_option, verb
+from plcgen.cli.options import console, device_option, format_option, verb
 
 if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     "plcgen catalogue show --device sinamics-s120 --draw 10 --seed 1",
 )
 @click.argument("parameters", nargs=-1, metavar="[PARAMETER...]")
-@click.option("--device", required=True, metavar="DEVICE", help="Device profile, or the path of one.")
+@device_option(required=True)
 @click.option(
     "--draw", type=click.IntRange(1, 1000), metavar="N", help="Draw N parameters for a spot check, without their facts."
 )

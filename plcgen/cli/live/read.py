@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.arguments import Argument, arguments
-from plcgen.cli.completed import devices
 from plcgen.cli.live.places import read_partner, timeout_option
-from plcgen.cli.options import format_option, verb
+from plcgen.cli.options import device_option, format_option, verb
 from plcgen.cli.ppi.connection import ask
 
 if TYPE_CHECKING:
@@ -30,7 +29,7 @@ _MOST = 1000
 )
 @click.argument("words", nargs=-1, required=True, metavar="PARAMETER...")
 @click.option("--drive", "host", required=True, metavar="ADDRESS", help="IPv4 address of the drive, or ADDRESS:PORT.")
-@click.option("--device", metavar="DEVICE", shell_complete=devices, help="Device profile: types, limits, drive object.")
+@device_option("Device profile: types, limits, drive object.")
 @click.option("--do", "number", type=click.IntRange(0, 255), metavar="N", help="Drive object.  [default: by device, 1]")
 @timeout_option
 @format_option("answer")
