@@ -46,6 +46,14 @@ class Check:
     trials: tuple[Trial, ...] = ()
 
 
+def file_check(id_: str, subject: str, text: str, problems: list[Diagnostic], good: str) -> Check:
+    """A check of the group ``files``: the first problem, and how many more."""
+    if not problems:
+        return Check(id_, subject, text, Outcome.OK, good)
+    more = f" (+{len(problems) - 1} more)" if len(problems) > 1 else ""
+    return Check(id_, subject, text, Outcome.ERROR, f"{problems[0].message}{more}", problems[0])
+
+
 @dataclass(frozen=True, slots=True)
 class CheckGroup:
     """Checks that belong together: ``files``, ``layout``, ``telegrams``, ``drive``, ``execution``."""

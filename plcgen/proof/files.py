@@ -8,7 +8,7 @@ from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
 from plcgen.project.nouns import Project
-from plcgen.proof.checks import Check, Outcome
+from plcgen.proof.checks import Check, Outcome, file_check
 from plcgen.proof.folder import Folder
 from plcgen.proof.inventory import inventory, listed_files, owned_files
 from plcgen.scl.dialect import Dialect
@@ -48,12 +48,9 @@ def check_files(project: Project, folder: Folder) -> Iterator[Check]:
 
 def _check(id_: str, subject: str, text: str, problems: list[Diagnostic], good: str) -> Check:
     errors = [p for p in problems if p.severity is Severity.ERROR]
-    if errors:
-        more = f" (+{len(errors) - 1} more)" if len(errors) > 1 else ""
-        return Check(id_, subject, text, Outcome.ERROR, f"{errors[0].message}{more}", errors[0])
-    if problems:
+    if problems and not errors:
         return Check(id_, subject, text, Outcome.WARNING, problems[0].message, problems[0])
-    return Check(id_, subject, text, Outcome.OK, good)
+    return file_check(id_, subject, text, errors, good)
 
 
 def _encoding(project: Project, path: Path) -> list[Diagnostic]:

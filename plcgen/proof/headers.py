@@ -9,7 +9,7 @@ from pathlib import Path
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.project.nouns import BlockRef, Project
 from plcgen.project.ownership import is_owned
-from plcgen.proof.checks import Check, Outcome
+from plcgen.proof.checks import Check, file_check
 from plcgen.proof.folder import Folder
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.types import Member, inner_members
@@ -47,15 +47,7 @@ def check_headers(project: Project, folder: Folder) -> Iterator[Check]:
             ]
         if blocks is folder.xml:
             problems += [one for path in generated_documents(folder.path) for one in _stated(path)]
-        yield header_check(id_, subject, f"{len(blocks)} blocks", problems, "kinds, numbers and attributes of the plan")
-
-
-def header_check(id_: str, subject: str, figures: str, problems: list[Diagnostic], good: str) -> Check:
-    """A check of the group ``files``: the first problem, and how many more."""
-    if not problems:
-        return Check(id_, subject, figures, Outcome.OK, good)
-    more = f" (+{len(problems) - 1} more)" if len(problems) > 1 else ""
-    return Check(id_, subject, figures, Outcome.ERROR, f"{problems[0].message}{more}", problems[0])
+        yield file_check(id_, subject, f"{len(blocks)} blocks", problems, "kinds, numbers and attributes of the plan")
 
 
 def _missing(

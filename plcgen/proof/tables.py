@@ -16,9 +16,9 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.files import read_bounded
 from plcgen.input.workbook import read_sheets
 from plcgen.project.nouns import Project
-from plcgen.proof.checks import Check
+from plcgen.proof.checks import Check, file_check
 from plcgen.proof.folder import Folder, table_rows
-from plcgen.proof.headers import MAIN, header_check
+from plcgen.proof.headers import MAIN
 from plcgen.s7.address import Address
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.layout import Layout, layout_block, locate
@@ -64,7 +64,7 @@ def check_tables(project: Project, folder: Folder) -> Iterator[Check]:
             problems.append(Diagnostic("PG614", str(wrong), Span(str(folder.path / name))))
         except DiagnosticError as problem:
             problems += problem.diagnostics
-    yield header_check("files.tables", "tables", f"{len(looks)} files", problems, "say what plan and blocks say")
+    yield file_check("files.tables", "tables", f"{len(looks)} files", problems, "say what plan and blocks say")
 
 
 class _Tables:

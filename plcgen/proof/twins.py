@@ -8,7 +8,7 @@ from itertools import zip_longest
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 from plcgen.project.nouns import Project
 from plcgen.project.ownership import is_owned
-from plcgen.proof.checks import Check, Outcome
+from plcgen.proof.checks import Check, file_check
 from plcgen.proof.folder import Folder
 from plcgen.s7.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.image import image
@@ -48,12 +48,7 @@ def check_twins(project: Project, folder: Folder) -> Iterator[Check]:
             message = f'{block.kind} "{block.name}": {found}'
             problems.append(Diagnostic("PG612", message, other.span or folder.place(name), help="run plcgen generate"))
     text = f"{blocks} blocks, {tokens:,} tokens of code"
-    if problems:
-        more = f" (+{len(problems) - 1} more)" if len(problems) > 1 else ""
-        verdict = f"{problems[0].message}{more}"
-        yield Check("files.twins", "text and SimaticML", text, Outcome.ERROR, verdict, problems[0])
-    else:
-        yield Check("files.twins", "text and SimaticML", text, Outcome.OK, "agree")
+    yield file_check("files.twins", "text and SimaticML", text, problems, "agree")
 
 
 def difference(
