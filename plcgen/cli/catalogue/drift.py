@@ -28,7 +28,7 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
     A constant must have the same value in the drive and be within its limits, and every parameter that is read or
     written must exist. Exit code 1 if something has drifted.
     """
-    from plcgen.cli.live.specs import drive_plan
+    from plcgen.cli.live.specs import choose_drive, drive_plan
     from plcgen.diagnostics import Diagnostic, Span
     from plcgen.display.data import diagnostics_data
     from plcgen.display.results import Answer
@@ -39,13 +39,7 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
     from plcgen.protocols.ds47.catalogue.own_list import LISTS, read_own_list
 
     plan = drive_plan(spec)
-    keys = [one.key for one in plan.drives]
-    if drive is None and len(keys) != 1:
-        raise click.UsageError(
-            f"the spec has the drives {', '.join(keys[:8])}: name the one that the list belongs to with --drive"
-        )
-    if drive is not None and drive not in keys:
-        raise click.UsageError(f'the spec has no drive "{drive}", only {", ".join(keys[:8])}')
+    key = choose_drive(plan, drive, "name the one that the list belongs to with --drive")
     sheets = lists.load_sheets(file)
     own = read_own_list(sheets, file)
     if own is not None and not own.ended:
@@ -54,7 +48,7 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
         raise lists.wrong(file, message, "read the whole list: what is missing from the file might be there")
     listed = lists.ParameterList(own.parameters()) if own is not None else lists.listed(sheets, file)
     silent = LISTS if own is not None else ()
-    rows = list(dict.fromkeys(drifted(plan, drive or keys[0], {one.pnu: one for one in listed.parameters}, silent)))
+    rows = list(dict.fromkeys(drifted(plan, key, {one.pnu: one for one in listed.parameters}, silent)))
     problems = []
     for row in rows:
         if row.verdict in DRIFTED:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.live.places import comparison, read_partner, timeout_option
+from plcgen.cli.live.specs import choose_drive, drive_plan
 from plcgen.cli.options import PATH, format_option, verb
 from plcgen.cli.ppi.connection import ask
 
@@ -36,7 +37,6 @@ def command(*, spec: Path, given: tuple[str, ...], timeout: float, format_: Outp
     """
 
     def question() -> Answer:
-        from plcgen.cli.live.specs import drive_plan
         from plcgen.protocols.ds47.live.comparison import compare_drives
         from plcgen.protocols.ds47.live.connection import S7Connection
 
@@ -53,15 +53,9 @@ def command(*, spec: Path, given: tuple[str, ...], timeout: float, format_: Outp
 
 def _by_drive(plan: DrivePlan, given: tuple[str, ...]) -> dict[str, str]:
     """Addresses by the key of the drive; one without a key if the spec has one drive."""
-    keys = [drive.key for drive in plan.drives]
     found: dict[str, str] = {}
     for text in given:
         key, equals, host = text.rpartition("=")
-        if not equals:
-            if len(keys) != 1:
-                raise click.UsageError(f"the spec has the drives {', '.join(keys[:8])}: write --drive {keys[0]}={text}")
-            key = keys[0]
-        if key not in keys:
-            raise click.UsageError(f'the spec has no drive "{key}", only {", ".join(keys[:8])}')
-        found[key] = host
+        remedy = f"write --drive {plan.drives[0].key}={text}"
+        found[choose_drive(plan, key if equals else None, remedy)] = host
     return found

@@ -31,3 +31,14 @@ def drive_project(spec: Path) -> tuple[Project, DrivePlan]:
     if plan is None or not plan.jobs:
         raise click.UsageError(f"{spec} has no drive jobs")
     return checked.project, plan
+
+
+def choose_drive(plan: DrivePlan, key: str | None, remedy: str) -> str:
+    """The key of a drive that the spec has; without one that of its only drive. Raises UsageError."""
+    keys = [drive.key for drive in plan.drives]
+    shown = ", ".join(keys[:8])
+    if key is None and len(keys) != 1:
+        raise click.UsageError(f"the spec has the drives {shown}: {remedy}")
+    if key is not None and key not in keys:
+        raise click.UsageError(f'the spec has no drive "{key}", only {shown}')
+    return key or keys[0]
