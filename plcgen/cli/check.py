@@ -13,6 +13,7 @@ from plcgen.api import default_folder
 from plcgen.cli.options import PATH, console, format_option, output_option, strict_option, verb
 from plcgen.cli.output import OK, PROBLEMS, USAGE, Console
 from plcgen.cli.watch import watch_option
+from plcgen.diagnostics.counting import quantity
 from plcgen.input.files import YAML_SUFFIXES
 
 if TYPE_CHECKING:
@@ -312,5 +313,5 @@ def _summary(out: Console, found: Findings, blocks: int | None) -> None:
         out.say("")
     kind = "specs" if blocks is None else "files"
     where = found.subjects[0][0] if len(found.subjects) == 1 else f"{len(found.subjects)} {kind}"
-    inside = "" if blocks is None else f" ({blocks} block{'' if blocks == 1 else 's'})"
+    inside = "" if blocks is None else f" ({quantity(blocks, 'block')})"
     out.say(summary_text(found.diagnostics, where + inside))

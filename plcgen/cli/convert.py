@@ -9,6 +9,7 @@ import click
 
 from plcgen.cli.options import PATH, console, format_option, tia_option, verb
 from plcgen.cli.output import OK, PROBLEMS
+from plcgen.diagnostics.counting import quantity
 
 if TYPE_CHECKING:
     from plcgen.api import ConvertResult
@@ -67,6 +68,5 @@ def is_culture(text: str) -> bool:
 def _summary(result: ConvertResult) -> str:
     if not result.ok and not result.written and not result.unchanged:
         return "nothing was written"
-    count = len(result.written)
-    text = f"{result.folder}: {count} file{'' if count == 1 else 's'} written"
+    text = f"{result.folder}: {quantity(len(result.written), 'file')} written"
     return text + (f", {len(result.unchanged)} unchanged" if result.unchanged else "")

@@ -12,6 +12,7 @@ from plcgen.api import default_folder
 from plcgen.cli.options import PATH, console, folder_option, format_option, verb
 from plcgen.cli.output import OK, PROBLEMS, Console, error_detail, error_line, help_line
 from plcgen.cli.watch import watch_option
+from plcgen.diagnostics.counting import quantity
 
 if TYPE_CHECKING:
     from plcgen.api import GenerateResult
@@ -94,7 +95,7 @@ def _show(out: Console, result: GenerateResult, *, looking: bool, stats: bool) -
         out.say(f"{result.folder}: {count_text(result.diagnostics)}; nothing was written")
     else:
         count = len(result.written)
-        parts = [f"{count} file{'' if count == 1 else 's'} written"] if count else []
+        parts = [f"{quantity(count, 'file')} written"] if count else []
         parts += [f"{len(result.unchanged)} unchanged"] if result.unchanged else []
         parts += [f"{len(result.removed)} removed"] if result.removed else []
         out.say(f"{result.folder}: {', '.join(parts) or 'nothing to do'}")

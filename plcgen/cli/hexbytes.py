@@ -10,6 +10,7 @@ import click
 
 from plcgen.cli.output import is_terminal
 from plcgen.diagnostics import Diagnostic, Span
+from plcgen.diagnostics.counting import quantity
 
 STDIN = "<stdin>"
 """What diagnostics name as the file of what comes on stdin."""
@@ -96,7 +97,7 @@ def _append(match: re.Match[str], data: bytearray, places: list[tuple[int, int]]
     start, length = match.start(), match.end() - match.start()
     size = _SIZES.get((match["type"] or "").upper(), 0)
     if size and len(digits) > 2 * size:
-        raise HexError(start, length, f"{match[0]} has more than {size} byte{'s' if size > 1 else ''}")
+        raise HexError(start, length, f"{match[0]} has more than {quantity(size, 'byte')}")
     prefixed = bool(match["prefix"] or match["h"] or match["type"])
     if len(digits) % 2 and not prefixed:
         raise HexError(start, length, f'"{match[0][:40]}" has an odd number of digits')

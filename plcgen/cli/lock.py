@@ -10,6 +10,7 @@ import click
 from plcgen.cli.diff import FAIL_ON
 from plcgen.cli.options import PATH, console, format_option, output_option, verb
 from plcgen.cli.output import OK, PROBLEMS
+from plcgen.diagnostics.counting import quantity
 
 if TYPE_CHECKING:
     from plcgen.cli.output import Console
@@ -72,7 +73,7 @@ def command(
         out.say("nothing was written")
         return PROBLEMS
     what = "wrote" if written.changed else "unchanged:"
-    out.say(f"{what} {written.path.as_posix()}, {written.blocks} block{'' if written.blocks == 1 else 's'}")
+    out.say(f"{what} {written.path.as_posix()}, {quantity(written.blocks, 'block')}")
     return OK
 
 

@@ -15,6 +15,7 @@ import click
 from plcgen.api import default_folder
 from plcgen.cli.options import console
 from plcgen.cli.output import OK, Console
+from plcgen.diagnostics.counting import quantity
 
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 
@@ -56,7 +57,7 @@ def again(out: Console, run: Callable[[], int], look: Callable[[], State]) -> in
         while True:
             before = look()
             _run(out, run)
-            out.say(f"watching {len(before)} file{'' if len(before) == 1 else 's'}; Ctrl-C ends")
+            out.say(f"watching {quantity(len(before), 'file')}; Ctrl-C ends")
             after = _changed(before, look)
             out.say(f"\n{_what(before, after)}")
     except KeyboardInterrupt:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
+from plcgen.diagnostics.counting import quantity
 from plcgen.display.cells import clean, expand, window, wrap
 from plcgen.display.view import View
 
@@ -67,7 +68,7 @@ def count_text(diagnostics: Sequence[Diagnostic]) -> str:
     for severity in (Severity.ERROR, Severity.WARNING):
         count = sum(d.severity is severity for d in diagnostics)
         if count:
-            parts.append(f"{count} {severity.label}{'' if count == 1 else 's'}")
+            parts.append(quantity(count, severity.label))
     return ", ".join(parts) or "no problems"
 
 

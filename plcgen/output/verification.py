@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from plcgen.diagnostics.counting import quantity
 from plcgen.display.cells import clean, pad, wrap
 from plcgen.display.cells import width as cells
 from plcgen.display.excerpts import count_text, diagnostics_text
@@ -110,7 +111,7 @@ def _summary(verification: Verification, view: View) -> str:
         if count:
             plural = "s" if count > 1 and outcome in {Outcome.ERROR, Outcome.WARNING} else ""
             parts.append(view.paint(f"{count} {outcome.value}{plural}", outcome.value))
-    total = f"{len(checks)} check{'' if len(checks) == 1 else 's'}"
+    total = quantity(len(checks), "check")
     result = f"{total}: {', '.join(parts)}" if parts else total
     extra = [diagnostic for diagnostic in verification.outside if diagnostic.severity.label != "note"]
     return f"{result}; {count_text(extra)} outside the checks" if extra else result

@@ -9,12 +9,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from plcgen.diagnostics import DiagnosticError, Report
+from plcgen.diagnostics.counting import shortlist
 from plcgen.proof.checks import Verification
 
 
 def audit_files(paths: Sequence[Path], spec: Path) -> Verification:
     """Hold sources against the plan of a spec; every finding is a diagnostic."""
-    label = ", ".join(path.as_posix() for path in paths[:3]) + (f" (+{len(paths) - 3})" if len(paths) > 3 else "")
+    label = shortlist([path.as_posix() for path in paths], 3, f" (+{len(paths) - 3})")
     report = Report()
     try:
         return _audit(paths, spec, label, report)

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from plcgen.diagnostics.counting import quantity
 from plcgen.display.cells import clean, cut
 from plcgen.display.table import text_table
 from plcgen.display.view import View
@@ -60,7 +61,7 @@ def telegram_text(telegram: DecodedTelegram, view: View) -> str:
     header, *lines = text_table(HEADER, rows, right=frozenset({0}), limit=view.width)
     shown = [view.paint(line, "error" if bad else "") for line, bad in zip(lines, wrong, strict=True)]
     count = len(telegram.data)
-    title = f"{view.paint(telegram.kind, 'bold')}, {count} byte{'' if count == 1 else 's'}"
+    title = f"{view.paint(telegram.kind, 'bold')}, {quantity(count, 'byte')}"
     return "\n".join([title, view.paint(header, "dim"), *shown]) + "\n"
 
 

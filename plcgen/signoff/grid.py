@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from plcgen.diagnostics.counting import quantity
 from plcgen.display.cells import clean
 from plcgen.proof.checks import Check, Outcome, Verification
 
@@ -52,7 +53,7 @@ def scenario_grids(verification: Verification) -> Iterator[ScenarioGrid]:
         for place, (_, trials) in enumerate(chosen):
             for trial in trials:
                 row = cells.setdefault(trial.scenario, [None] * len(chosen))
-                row[place] = ("ok" if trial.ok else "error", f"{trial.scans} scans")
+                row[place] = ("ok" if trial.ok else "error", quantity(trial.scans, "scan"))
         rows = tuple((clean(name), tuple(row)) for name, row in cells.items())
         more = max(0, len(rows) - MAX_SCENARIOS)
         yield ScenarioGrid(tuple(clean(job) for job, _ in chosen), rows[:MAX_SCENARIOS], more)

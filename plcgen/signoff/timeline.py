@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from plcgen.diagnostics.counting import quantity
 from plcgen.display.cells import clean
 from plcgen.trace.model import JobResult, Signal, Trace, Value
 from plcgen.trace.spelling import value_text
@@ -195,10 +196,10 @@ def _states(axis: _Axis, story: _Story, y: int, high: int) -> Iterator[Bar]:
 
 
 def _summary(trace: Trace, job: JobResult) -> str:
-    parts = [f"{job.ending} 16#{job.status:04X}: {job.text}", f"{job.scan} scans, {job.time} ms"]
-    parts.append(f"{job.telegrams} telegram{'' if job.telegrams == 1 else 's'}")
+    parts = [f"{job.ending} 16#{job.status:04X}: {job.text}", f"{quantity(job.scan, 'scan')}, {job.time} ms"]
+    parts.append(quantity(job.telegrams, "telegram"))
     if job.retries:
-        parts.append(f"{job.retries} retr{'y' if job.retries == 1 else 'ies'}")
+        parts.append(quantity(job.retries, "retry", "retries"))
     if trace.ended == "stop":
         parts.append("then the CPU went to STOP")
     return clean("; ".join(parts))

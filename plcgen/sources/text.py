@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
+from plcgen.diagnostics.counting import quantity, shortlist
 from plcgen.input.files import read_bounded
 from plcgen.scl.declarations import blocks
 from plcgen.scl.lexer import tokenize
@@ -99,8 +100,8 @@ def left_out(folder: Path, documents: Iterable[Path]) -> list[Diagnostic]:
     names = sorted(path.name for path in documents if path.suffix.lower() == ".s7dcl")
     if not names:
         return []
-    shown = ", ".join(names[:_SHOWN]) + (", .." if len(names) > _SHOWN else "")
-    what = "1 SIMATIC SD document" if len(names) == 1 else f"{len(names)} SIMATIC SD documents"
+    shown = shortlist(names, _SHOWN)
+    what = quantity(len(names), "SIMATIC SD document")
     message = f"{what} of the TIA Portal in this folder not read: {shown}"
     return [Diagnostic("PG804", message, Span(str(folder)), Severity.WARNING, help=_INSTEAD_OF_SD)]
 
@@ -128,8 +129,8 @@ def no_text(folder: Path, files: Iterable[Path]) -> list[Diagnostic]:
     names = sorted(path.name for path in files)
     if not names:
         return []
-    shown = ", ".join(names[:_SHOWN]) + (", .." if len(names) > _SHOWN else "")
-    what = "1 file that is no text" if len(names) == 1 else f"{len(names)} files that are no text"
+    shown = shortlist(names, _SHOWN)
+    what = quantity(len(names), "file that is no text", "files that are no text")
     return [Diagnostic("PG804", f"{what} in this folder not read: {shown}", Span(str(folder)), Severity.NOTE)]
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from plcgen.diagnostics.counting import quantity
 from plcgen.display.cells import clean, cut, pad, wrap
 from plcgen.display.cells import width as columns
 from plcgen.display.excerpts import diagnostics_text
@@ -51,13 +52,9 @@ def run_summary(trace: Trace, view: View = PLAIN) -> str:
         count = sum(job.ending == ending for job in trace.jobs)
         if count:
             parts.append(view.paint(f"{count} {ending}", style))
-    jobs = f"{_count(len(trace.jobs), 'job')}: {', '.join(parts)}" if parts else "no job"
+    jobs = f"{quantity(len(trace.jobs), 'job')}: {', '.join(parts)}" if parts else "no job"
     why = {"stop": ", then the CPU went to STOP", "scans": ", then the run was ended"}.get(trace.ended, "")
-    return f"{jobs}; {_count(trace.scans, 'scan')}, {trace.time} ms{why}"
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
+    return f"{jobs}; {quantity(trace.scans, 'scan')}, {trace.time} ms{why}"
 
 
 class _Table:
@@ -257,7 +254,8 @@ def _detail(first: str, text: str, style: str, view: View) -> list[str]:
 def _job(job: JobResult, call: str, view: View) -> list[str]:
     """How a job ended, and its values."""
     style = {"done": "ok", "error": "error"}.get(job.ending, "warning")
-    figures = f"{_count(job.scan, 'scan')}, {job.time} ms, {_count(job.telegrams, 'telegram')}, {_retries(job.retries)}"
+    retries = quantity(job.retries, "retry", "retries") if job.retries else "no retry"
+    figures = f"{quantity(job.scan, 'scan')}, {job.time} ms, {quantity(job.telegrams, 'telegram')}, {retries}"
     status = f"{job.ending} {job.status:04X} {job.text}" if job.ending in {"done", "error"} else job.ending
     out = [f"{view.paint(clean(job.key), 'bold')}: {view.paint(status, style)}"]
     if job.ending == "not started":
@@ -280,7 +278,3 @@ def _job(job: JobResult, call: str, view: View) -> list[str]:
         out.append(head + view.paint(first, style))
         out += [" " * columns(head) + view.paint(line, style) for line in more]
     return out
-
-
-def _retries(number: int) -> str:
-    return "no retry" if not number else "1 retry" if number == 1 else f"{number} retries"

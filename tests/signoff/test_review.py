@@ -19,6 +19,8 @@ from plcgen.proof.checks import Check, CheckGroup, Outcome, Trial, Verification
 from plcgen.protocols.ds47.sheet import review_sheet
 from plcgen.signoff.grid import matrix, scenario_grids
 from plcgen.signoff.markdown import LIMIT
+from plcgen.signoff.timeline import time_line
+from plcgen.trace.model import JobResult, Trace
 
 
 def test_the_write_list_says_what_the_spec_says():
@@ -283,6 +285,16 @@ def test_ppi_jobs_are_reviewed():
     signed = {entry.signed for entry in review.sheet.writes if entry.parameter == "CPU"}
     assert signed == {"by the key run of the job", "by the key stop of the job"}
     assert "not signed off in the spec" not in show("html", review)
+
+
+def test_one_scan_is_one_scan():
+    """A job that ends in the scan in which it starts: a value of its record is not allowed."""
+    job = JobResult("load", "s120", "error", 0x8501, "record", 1, 10, 1, 1, 0, "", ())
+    line = time_line(Trace("job.yaml", "job_generated", scans=1, time=10, jobs=(job,)), job)
+    assert line.summary == "error 16#8501: record; 1 scan, 10 ms; 1 telegram; 1 retry"
+    check = Check("faults.a", "faults a", "", Outcome.OK, "ok", trials=(Trial("values", 1, ok=True),))
+    (grid,) = scenario_grids(Verification("s", "f", "p", "t", (CheckGroup("execution", "Execution", (check,)),), ()))
+    assert grid.rows == (("values", (("ok", "1 scan"),)),)
 
 
 def test_no_check_hides_another_in_the_fault_matrix():

@@ -13,6 +13,7 @@ import click
 from plcgen.cli.options import PATH, console, stream_option, verb
 from plcgen.cli.output import OK, Console
 from plcgen.cli.ppi.places import find_symbols, symbols_option
+from plcgen.diagnostics.counting import quantity
 
 if TYPE_CHECKING:
     from plcgen.line.model import Line
@@ -189,7 +190,7 @@ class _Show:
         if self.as_json:
             self._json({"event": "end", "requests": executed})
         else:
-            self.out.say(f"ended after {executed} request{'s' * (executed != 1)}")
+            self.out.say(f"ended after {quantity(executed, 'request')}")
 
     def _json(self, data: dict[str, Any]) -> None:
         self.out.result(json.dumps(data) + "\n")

@@ -6,6 +6,7 @@ import hashlib
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
+from plcgen.diagnostics.counting import shortlist
 from plcgen.inspection.compare.code import compare_code
 from plcgen.inspection.compare.members import MemberComparison, text_change
 from plcgen.inspection.compare.model import BlockState, Change, Found, MemberState
@@ -192,7 +193,7 @@ class _Pair:
                 message = f"comment {text_change(before.comment, after.comment)}"
                 self.add("member-comment", message, before.comment, after.comment, path=after.name)
         if details:
-            shown = ", ".join(sorted(details)[:3]) + (f", .. ({len(details)})" if len(details) > 3 else "")
+            shown = shortlist(sorted(details), 3, f", .. ({len(details)})")
             self.add("local-changed", shown, details=tuple(sorted(details)))
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from difflib import SequenceMatcher
 
 from plcgen.diagnostics import Span
+from plcgen.diagnostics.counting import quantity
 from plcgen.inspection.compare.model import BlockState, Found, MemberState
 
 INTERNAL = frozenset(
@@ -223,8 +224,7 @@ def _together(runs: Sequence[Found], kind: str, what: str) -> Found:
     """Several runs as one difference."""
     details = tuple(detail for run in runs for detail in (run.details or (f"{run.path} {run.old} -> {run.new}",)))
     first = runs[0]
-    plural = "" if len(details) == 1 else "s"
-    message = f"{what}: {len(details)} member{plural} moved, the first one {first.path} {first.old} -> {first.new}"
+    message = f"{what}: {quantity(len(details), 'member')} moved, the first one {first.path} {first.old} -> {first.new}"
     return first._replace(kind=kind, path="", message=message, details=details)
 
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span, has_errors
+from plcgen.diagnostics.counting import shortlist
 from plcgen.input.files import YAML_SUFFIXES
 from plcgen.inspection.compare.blocks import compare_blocks
 from plcgen.inspection.compare.jobs import compare_jobs
@@ -103,4 +104,4 @@ def _is_void(paths: Sequence[Path]) -> bool:
 
 
 def _label(paths: Sequence[Path]) -> str:
-    return ", ".join(path.as_posix() for path in paths[:3]) + (f" (+{len(paths) - 3})" if len(paths) > 3 else "")
+    return shortlist([path.as_posix() for path in paths], 3, f" (+{len(paths) - 3})")

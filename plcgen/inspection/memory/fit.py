@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
+from plcgen.diagnostics.counting import quantity
 from plcgen.inspection.memory.estimate import Estimate
 from plcgen.project.cpus import CpuFact, CpuType
 
@@ -46,11 +47,7 @@ class ProgramSize:
     def text(self) -> str:
         """One line: lines, blocks, bytes, share of the CPU."""
         size = self.estimate
-        blocks = ", ".join(
-            f"{size.count(kind)} {kind}{'' if size.count(kind) == 1 else 's'}"
-            for kind in ("FB", "FC", "DB")
-            if size.count(kind)
-        )
+        blocks = ", ".join(quantity(size.count(kind), kind) for kind in ("FB", "FC", "DB") if size.count(kind))
         share = "" if self.cpu is None or self.share is None else f", {self.share} % of a CPU {self.cpu.name}"
         coarse = " (coarse)" if size.coarse else ""
         idle = "" if self.idle_statements is None else f"; an idle scan runs {self.idle_statements:,} statements"

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any, Protocol
 
 from plcgen.diagnostics import Diagnostic, has_errors
+from plcgen.diagnostics.counting import quantity
 from plcgen.display.cells import cut
 from plcgen.display.data import diagnostics_data
 from plcgen.display.results import Answer
@@ -110,7 +111,7 @@ def _items(request: ReadRequest | WriteRequest) -> tuple[Item, ...]:
 def _telegram(piece: StreamPiece, context: _Context, *, tolerant: bool) -> DecodedFrame:
     data = piece.data
     if not piece.telegram and (len(data) != 1 or examine(data).frame is None):
-        count = f"{len(data)} byte{'s' * (len(data) > 1)}"
+        count = quantity(len(data), "byte")
         text = f"{count} skipped: no frame starts here"
         shown = data[:16].hex(" ").upper() + (" ..." if len(data) > 16 else "")
         field = TelegramField(0, data, "skipped", shown, "", problem=True)

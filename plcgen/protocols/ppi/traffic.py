@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from plcgen.diagnostics.counting import quantity
 from plcgen.display.cells import cut
 from plcgen.display.view import View
 from plcgen.protocols.ppi.wire.address import address_text
@@ -67,7 +68,7 @@ class TrafficText:
     def words(self, entry: Traffic) -> str:
         """What a frame says."""
         if entry.direction == ">" and entry.frame is None:
-            size = f"{len(entry.data)} byte{'s' * (len(entry.data) != 1)}"
+            size = quantity(len(entry.data), "byte")
             if entry.note != "no frame":
                 return f"{size} of an unfinished frame"
             return f"{size} without a frame{_flaw(entry.data)}"

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from plcgen.diagnostics import Note, Severity, Span
+from plcgen.diagnostics.counting import quantity
 from plcgen.protocols.ds47.audit.align import align
 from plcgen.protocols.ds47.audit.buffers import is_elementary
 from plcgen.protocols.ds47.audit.model import Expected, Match
@@ -161,8 +162,9 @@ class _Check:
         """One field and the member that holds it."""
         self.place(field, slot)
         if slot.bits == 1 or slot.size != field.size:
-            shown = "1 bit" if slot.bits == 1 else _bytes(slot.size)
-            message = f"{slot.path} takes {shown}, the {field.label} takes {_bytes(field.size)} (byte {field.offset})"
+            shown = "1 bit" if slot.bits == 1 else quantity(slot.size, "byte")
+            takes = quantity(field.size, "byte")
+            message = f"{slot.path} takes {shown}, the {field.label} takes {takes} (byte {field.offset})"
             self.match.findings.report("PG652", message, slot.span, f"declare it as {_type(field)}")
             self.moved = True
         self.last = slot
@@ -172,7 +174,7 @@ class _Check:
         """Report the first member that lies elsewhere without an earlier finding that explains it."""
         if not self.moved and slot.offset != field.offset:
             gap = slot.offset - (self.last.end if self.last is not None else 0)
-            why = f": {_bytes(gap)} of gap before it" if gap > 0 else ""
+            why = f": {quantity(gap, 'byte')} of gap before it" if gap > 0 else ""
             there = f"the telegram has the {field.label} at byte {field.offset}"
             message = f"{slot.path} lies at byte {slot.offset}{why}; {there}"
             help_ = (
@@ -214,10 +216,6 @@ def _sum(total: int, sizes: Sequence[int]) -> int:
         if total <= 0:
             return count if total == 0 else 0
     return 0
-
-
-def _bytes(count: int) -> str:
-    return f"{count} byte{'' if count == 1 else 's'}"
 
 
 def _type(field: Expected) -> str:

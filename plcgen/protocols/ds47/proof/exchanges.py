@@ -11,6 +11,7 @@ from itertools import product
 from typing import Literal
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, PlcgenError
+from plcgen.diagnostics.counting import shortlist
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.proof.rig import shown_value
@@ -207,7 +208,7 @@ def _exchange(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTel
         for part in telegram.parts:
             _written(job, part, drive)
             shown.append(f"{part.use.label} accepted")
-    values = ", ".join(shown[:6]) + (f", .. ({len(shown)})" if len(shown) > 6 else "")
+    values = shortlist(shown, 6, f", .. ({len(shown)})")
     return f"{_short(answer.hex(' ').upper())}  {values}"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from plcgen.diagnostics.counting import shortlist
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part
 from plcgen.protocols.ds47.proof.clocking import clocking
 from plcgen.protocols.ds47.proof.comparing import comparing
@@ -179,7 +180,7 @@ def _every_second_refused(job: DriveJob, telegram: DriveTelegram, words: int) ->
 
 def _refused(job: DriveJob, telegram: DriveTelegram, words: int, places: range) -> DriveScenario:
     """The parameters at some places are refused."""
-    number, named = telegram.number, ", ".join(map(str, places[:3])) + (" .." if len(places) > 3 else "")
+    number, named = telegram.number, shortlist([*map(str, places)], 3, " ..")
     return DriveScenario(
         name=f"errors with {words} words at parameters {named} of telegram {number}",
         faults=tuple(fault(job, number, place, place % 100, words) for place in places),

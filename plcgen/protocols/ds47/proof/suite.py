@@ -8,6 +8,7 @@ from pathlib import Path
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
+from plcgen.diagnostics.counting import shortlist
 from plcgen.input.text import read_text
 from plcgen.project.nouns import BufferField
 from plcgen.proof.checks import Check, CheckGroup, Outcome
@@ -199,9 +200,8 @@ class DriveSuite:
         if job.deviations is not None:
             shown = [f"{shown_value(rig.cpu[f'{name}.job.{job.deviations.count}'])} deviations"]
         shown = shown or [f"{use.label} {'written' if use.writes else 'stored'}" for use in job.uses]
-        more = f", .. ({len(shown)})" if len(shown) > SHOWN_VALUES else ""
         tail = f", RDREC B5 x{count}" if count else ""
-        return f"{scans} scans, WRREC busy 3{tail}", ", ".join(shown[:SHOWN_VALUES]) + more
+        return f"{scans} scans, WRREC busy 3{tail}", shortlist(shown, SHOWN_VALUES, f", .. ({len(shown)})")
 
     def matrix(self, runner: Runner[DriveScenario], scans: int, level: Faults) -> Iterator[DriveScenario]:
         """What is the job's own."""

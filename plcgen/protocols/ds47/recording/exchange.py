@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from plcgen.diagnostics.counting import shortlist
 from plcgen.protocols.ds47.texts import real_note
 from plcgen.protocols.ds47.wire import formats
 from plcgen.protocols.ds47.wire.codec import TelegramError, decode_request, decode_response
@@ -92,4 +93,4 @@ def _block(block: ValueBlock) -> str:
 
 
 def _listed(items: list[str]) -> str:
-    return ", ".join(items[:SHOWN]) + (f", .. {len(items)} parameters" if len(items) > SHOWN else "")
+    return shortlist(items, SHOWN, f", .. {len(items)} parameters")

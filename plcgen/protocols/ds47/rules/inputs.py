@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.diagnostics.counting import shortlist
 from plcgen.protocols.ds47.kinds.registry import kind_called
 from plcgen.protocols.ds47.plan.values import literals_text
 from plcgen.protocols.ds47.rules.places import given_start, parameter_span
@@ -62,5 +63,4 @@ def _drives(plan: DrivePlan, shape: DriveJob) -> str:
 
 
 def _list(texts: list[str]) -> str:
-    shown = ", ".join(texts[:_SHOWN])
-    return shown if len(texts) <= _SHOWN else f"{shown} and {len(texts) - _SHOWN} more"
+    return shortlist(texts, _SHOWN, f" and {len(texts) - _SHOWN} more")

@@ -6,6 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Span
+from plcgen.diagnostics.counting import shortlist
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.protocols.ds47.plan.fields import request_fields, response_fields
 from plcgen.protocols.ds47.references import parse_reference
@@ -174,7 +175,7 @@ def overrides(plan: DrivePlan) -> Iterator[Diagnostic]:
             for old in buffer.members:
                 if old in known:
                     continue
-                some = ", ".join(generated[:_SHOWN]) + (", ..." if len(generated) > _SHOWN else "")
+                some = shortlist(generated, _SHOWN, ", ...")
                 yield Diagnostic(
                     "PG408",
                     f'the {which} DB has no member "{old}"',

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Severity
+from plcgen.diagnostics.counting import quantity
 from plcgen.project.rules.places import key_or_value, owner_span
 from plcgen.protocols.ds47.plan.pack import longest_response
 from plcgen.protocols.ds47.rules.places import value_span
@@ -31,8 +32,8 @@ def response_buffer(plan: DrivePlan) -> Iterator[Diagnostic]:
             if size < needed:
                 yield Diagnostic(
                     "PG303",
-                    f"response buffer {_bytes(needed - size)} too small: "
-                    f"{block} has {_bytes(size)}, {answer} needs {needed}",
+                    f"response buffer {quantity(needed - size, 'byte')} too small: "
+                    f"{block} has {quantity(size, 'byte')}, {answer} needs {needed}",
                     span,
                     help=f"set size: {needed}, or leave size out",
                     notes=_why(plan, telegram),
@@ -68,7 +69,7 @@ def _why(plan: DrivePlan, telegram: DriveTelegram) -> tuple[Note, ...]:
     count = len(telegram.parts)
     return (
         Note(
-            f"{count} parameter{'s' if count > 1 else ''} in this {'write' if telegram.writes else 'read'}: {figures}",
+            f"{quantity(count, 'parameter')} in this {'write' if telegram.writes else 'read'}: {figures}",
             value_span(plan, use),
         ),
     )
@@ -100,8 +101,8 @@ def _request_size(plan: DrivePlan, telegram: DriveTelegram, size: int, job: Driv
     if size < needed:
         yield Diagnostic(
             "PG304",
-            f"request buffer {_bytes(needed - size)} too small: "
-            f"{block} has {_bytes(size)}, the telegram needs {needed}",
+            f"request buffer {quantity(needed - size, 'byte')} too small: "
+            f"{block} has {quantity(size, 'byte')}, the telegram needs {needed}",
             span,
             help=f"set size: {needed}, or leave size out",
         )
@@ -166,7 +167,3 @@ def _pause(plan: DrivePlan, job: DriveJob) -> tuple[Note, ...]:
 def _label(plan: DrivePlan, block: BlockRef) -> str:
     numbered = block.pinned or plan.target.v5
     return f"{block.kind}{block.number}" if numbered else f'"{block.name}"'
-
-
-def _bytes(count: int) -> str:
-    return "1 byte" if count == 1 else f"{count} bytes"

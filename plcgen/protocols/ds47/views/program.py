@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from plcgen.diagnostics.counting import shortlist
 from plcgen.documents.control import signals
 from plcgen.documents.nouns import CallerValue, Command, FunctionBlock
 from plcgen.documents.simaticml import RECORD_NOTE
@@ -128,7 +129,7 @@ def _accesses(job: DriveJob) -> str:
         uses, then = [use for use in uses if use.writes], ", or restore"
     if job.verified and job.poll is not None:
         uses, then = uses[:-1], f", then save{then}"
-    labels = ", ".join(use.label for use in uses[:4]) + (", .." if len(uses) > 4 else "")
+    labels = shortlist([use.label for use in uses], 4)
     if job.recipe is not None:
         verb, labels = verb.replace("_recipe", ""), f"recipe {job.recipe.key}"
     return f"{verb} {labels}{then}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from plcgen.diagnostics import Severity
+from plcgen.diagnostics.counting import shortlist
 from plcgen.protocols.ppi.audit.model import FoundTelegram
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
 from plcgen.protocols.ppi.wire.address import address_text
@@ -40,7 +41,7 @@ def match_jobs(plan: PpiPlan, telegrams: Iterable[FoundTelegram]) -> None:
         jobs = [job for master in masters for job in master.jobs if job.station.address == frame.destination]
         found.job = next((job for job in jobs if job.kind == kind and bits(items) <= _job_bits(job)), None)
         if found.job is None and masters and not _harmless(masters, found):
-            what = ", ".join(address_text(item) for item in items[:4]) + (", .." if len(items) > 4 else "")
+            what = shortlist([address_text(item) for item in items], 4)
             message = f"{found.title}: a telegram that {_VERBS[kind]} {what or ''}".rstrip()
             message += f" of station {frame.destination}; no job of the spec does"
             _warn(found, message, "add the job to the spec, or the address to the job")

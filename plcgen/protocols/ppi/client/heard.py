@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from enum import Enum
 
+from plcgen.diagnostics.counting import quantity
 from plcgen.protocols.ppi.wire.fdl import LEAST_LENGTH, MOST_LENGTH, SD2
 
 _HEAD = 6
@@ -67,7 +68,7 @@ class Heard:
             what = f"a frame from station {station} broke off after {self.broken} bytes ({tries})"
             return what, "raise --timeout: the line is slow or delivers in pieces"
         if cause is HeardKind.DAMAGED:
-            frames = f"{self.damaged} damaged frame{'s' * (self.damaged != 1)}"
+            frames = quantity(self.damaged, "damaged frame")
             return (
                 f"{frames} instead of an answer from station {station} ({tries})",
                 "check baud rate, parity and wiring",

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import TypeAlias
 
 from plcgen.diagnostics import PlcgenError
+from plcgen.diagnostics.counting import quantity
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.protocols.ppi.wire.address import address_text
 from plcgen.protocols.ppi.wire.areas import OCTETS, Area, TransportSize
@@ -102,9 +103,7 @@ def pack_item(item: Item, value: Value | Sequence[bool | int | float], type_: st
         return _text(item, value, kind)
     values = (value,) if isinstance(value, int | float) else tuple(value)
     if len(values) != item.count:
-        raise ItemValueError(
-            f"{address_text(item)} takes {item.count} value{'s' * (item.count > 1)}, not {len(values)}"
-        )
+        raise ItemValueError(f"{address_text(item)} takes {quantity(item.count, 'value')}, not {len(values)}")
     if item.by_element:
         return b"".join(b"\x00" + _whole(entry, _ELEMENTS[Area(item.area)]) for entry in values)
     if kind in {"CHAR", "STRING"}:
@@ -166,9 +165,7 @@ def parse_item_value(item: Item, text: str, type_: str = "") -> tuple[bytes, str
         raise ItemValueError(f"{address_text(item)} has no value")
     pieces = [piece.strip() for piece in text.split(",")]
     if len(pieces) != item.count:
-        raise ItemValueError(
-            f"{address_text(item)} takes {item.count} value{'s' * (item.count > 1)}, not {len(pieces)}"
-        )
+        raise ItemValueError(f"{address_text(item)} takes {quantity(item.count, 'value')}, not {len(pieces)}")
     if not type_ and kind == "DWORD" and not item.by_element and any(_is_real(piece) for piece in pieces):
         kind = "REAL"
     if kind == "BOOL":

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from plcgen.cpu.program import Program
+from plcgen.diagnostics.counting import quantity, shortlist
 from plcgen.project.nouns import BufferField
 from plcgen.proof.checks import Check, CheckGroup, Outcome
 from plcgen.proof.conditions import STATE, Premise
@@ -172,7 +173,7 @@ class PpiSuite:
         sent, job = rig.port.sent, rig.job
         polls = sum(len(data) == 6 for _, data in sent)
         requests = len(sent) - polls
-        frames = f"{requests} request{'s' * (requests != 1)}, {polls} poll{'s' * (polls != 1)}"
+        frames = f"{quantity(requests, 'request')}, {quantity(polls, 'poll')}"
         if isinstance(runner.conduct, MasterConduct):
             frames += f", longest scan {runner.conduct.longest:,} statements"
         if job.kind in {"run", "stop"}:
@@ -180,8 +181,7 @@ class PpiSuite:
         name = self.master.instance.name
         texts = [f"{value.label} = {shown_value(rig.cpu[f'{name}.{job.pin(value.member)}'])}" for value in job.outputs]
         texts = texts or [f"{value.label} written" for value in job.values]
-        more = f", .. ({len(texts)})" if len(texts) > SHOWN else ""
-        return f"{scans} scans, {frames}", ", ".join(texts[:SHOWN]) + more
+        return f"{scans} scans, {frames}", shortlist(texts, SHOWN, f", .. ({len(texts)})")
 
     def matrix(self, runner: Runner[PpiScenario], scans: int, level: Faults) -> Iterator[PpiScenario]:
         """All of it, or what depends on the job itself and one of each kind of the rest."""
@@ -216,7 +216,7 @@ class PpiSuite:
 
     def together(self, procedures: int) -> Check:
         """All jobs on all stations."""
-        stations = f"{len(self.master.stations)} station{'s' * (len(self.master.stations) != 1)}"
+        stations = quantity(len(self.master.stations), "station")
         text = f"{len(self.jobs)} jobs on {stations} through OB1, {ROW} jobs in a row"
         name, subject = f"together.{self.master.key}", f"jobs of {self.master.key}"
         return Check(name, subject, text, Outcome.OK, "round robin, one frame at a time, every job gets its turn")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from plcgen.diagnostics.counting import shortlist
 from plcgen.documents.control import signals
 from plcgen.documents.members import initializer, plain
 from plcgen.documents.nouns import CallerValue, Command, DataBlock, FunctionBlock, LibraryInstance, MemberRow
@@ -121,13 +122,13 @@ def _frames(plan: PpiPlan) -> list[MemberRow]:
 
 def _title(plan: PpiPlan, master: PlannedMaster) -> str:
     """One-line title of a master."""
-    names = ", ".join(station.key for station in master.stations[:4]) + (", .." if len(master.stations) > 4 else "")
+    names = shortlist([station.key for station in master.stations], 4)
     return clean_title(comment_text(master.comment, plan.languages, plan.target, f"PPI master of {names}"))
 
 
 def job_title(plan: PpiPlan, job: PpiJob) -> str:
     """One-line title of a job."""
-    labels = ", ".join(value.label for value in job.values[:4]) + (", .." if len(job.values) > 4 else "")
+    labels = shortlist([value.label for value in job.values], 4)
     text = " ".join(part for part in (VERBS[job.kind], labels, f"of {job.station.key}") if part)
     return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+from plcgen.diagnostics.counting import quantity
 from plcgen.protocols.dissection import ByteField, Walker
 from plcgen.protocols.ppi.wire.address import address_text
 from plcgen.protocols.ppi.wire.areas import (
@@ -210,7 +211,7 @@ def _values(walker: Walker, count: int, items: Sequence[Item], *, reply: bool) -
         known = value.size_code in set(SizeCode)
         walker.hexadecimal(1, f"{label} size code", _CODES[SizeCode(value.size_code)] if known else "unknown")
         octets = octets_of(value.size_code, value.length)
-        walker.decimal(2, f"{label} length", f"{octets} byte{'' if octets == 1 else 's'}")
+        walker.decimal(2, f"{label} length", quantity(octets, "byte"))
         if value.data:
             walker.add(
                 len(value.data), f"{label} data", _number(value.data), _meaning(value.code, value.data, reply=reply)

@@ -7,6 +7,7 @@ bytes on a PPI line.
 
 from __future__ import annotations
 
+from plcgen.diagnostics.counting import quantity
 from plcgen.protocols.ppi.wire.errors import TOLERABLE, Kind, PpiError, Violation
 from plcgen.protocols.ppi.wire.model import (
     ACKNOWLEDGE,
@@ -184,7 +185,7 @@ def _variable(data: bytes) -> Examined:
 def _check_end(found: list[Violation], data: bytes, size: int) -> None:
     if len(data) > size:
         more = len(data) - size
-        found.append(Violation(Kind.TRAILING, size, f"{more} byte{'s' * (more > 1)} beyond the end of the frame"))
+        found.append(Violation(Kind.TRAILING, size, f"{quantity(more, 'byte')} beyond the end of the frame"))
 
 
 def _check_tail(found: list[Violation], data: bytes, first: int, size: int) -> None:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from plcgen.diagnostics.counting import quantity
 from plcgen.protocols.ppi.wire.areas import (
     ELEMENT_SIZES,
     ITEM_SIZE,
@@ -244,7 +245,7 @@ def read_values(findings: ItemFindings, data: bytes, at: int, count: int, *, rep
         elif reply:
             findings.add(Kind.PAD, end, "a pad byte after the last value")
     elif left:
-        findings.add(Kind.DATA_LENGTH, end, f"{left} byte{'s' * (left > 1)} after the last value")
+        findings.add(Kind.DATA_LENGTH, end, f"{quantity(left, 'byte')} after the last value")
     return values, left == 1 and odd
 
 
