@@ -254,6 +254,12 @@ def _store(folder: Folder, telegram: DriveTelegram, answer: bytes) -> bytearray:
     return memory
 
 
+def _held(job: DriveJob, part: Part, drive: Drive) -> list[formats.Value]:
+    """The values that a drive has where a part reads or writes."""
+    parameter = drive.objects[job.drive.drive_object].parameters[part.use.parameter.pnu]
+    return [parameter.values[0]] if part.use.format.is_string else parameter.values[part.subindex :][: part.count]
+
+
 def _read_back(
     folder: Folder,
     telegram: DriveTelegram,
@@ -266,9 +272,7 @@ def _read_back(
     block = _block(folder, folder.text, telegram.response.home.name)
     layout = layout_block(block, folder.text)
     entry = locate(layout, field.name)
-    parameter = drive.objects[job.drive.drive_object].parameters[part.use.parameter.pnu]
-    values = [parameter.values[0]] if part.use.format.is_string else parameter.values[part.subindex :][: part.count]
-    expected = formats.pack_values(part.use.format, values)
+    expected = formats.pack_values(part.use.format, _held(job, part, drive))
     found = bytes(memory[entry.byte : entry.byte + len(expected)])
     if found != expected:
         raise ExchangeError(
@@ -283,8 +287,7 @@ def _read_back(
 
 
 def _written(job: DriveJob, part: Part, drive: Drive) -> None:
-    parameter = drive.objects[job.drive.drive_object].parameters[part.use.parameter.pnu]
-    values = [parameter.values[0]] if part.use.format.is_string else parameter.values[part.subindex :][: part.count]
+    values = _held(job, part, drive)
     if formats.pack_values(part.use.format, values) != part.data:
         raise ExchangeError("PG607", f"{part.use.label}: the drive has {values} after the write")
 

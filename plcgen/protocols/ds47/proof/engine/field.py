@@ -86,6 +86,11 @@ class JobField:
             self.cpu.run(block, milliseconds, plan)
         self.check()
 
+    def steps(self, scans: int, milliseconds: int = 10) -> None:
+        """So many scans of OB1."""
+        for _ in range(scans):
+            self.step(milliseconds)
+
     def check(self) -> None:
         """Nothing happened that a CPU does not forgive."""
         misuses: list[Misuse] = [misuse for misuse in self.cpu.misuses if misuse.code not in self.tolerated]
@@ -98,6 +103,10 @@ class JobField:
             raise ScenarioError(f"grant is {grant} in state {state_name(state)}")
         if grant and (not self.granted or self.granted[-1] != grant):
             self.granted.append(grant)
+
+    def statuses(self, *numbers: int) -> dict[int, int]:
+        """Status words of jobs."""
+        return {number: self.job(number).signals()[3] for number in numbers}
 
     def until_end(self, numbers: Iterable[int], milliseconds: int = 10, most: int = 30_000) -> dict[int, int]:
         """Scan until all of these jobs have ended; their status words. Raises ScenarioError if one has not in time."""
@@ -142,8 +151,7 @@ class JobField:
     def idle(self, *numbers: int) -> None:
         """Commands fall; behind a few scans jobs and channels are idle."""
         self.drop(*numbers)
-        for _ in range(6):
-            self.step()
+        self.steps(6)
         busy = [number for number in numbers if self.job(number).signals() != (False, False, False, 0x7000)]
         states = [unit.get("state") for unit in self.rig.units]
         if busy or any(states):
@@ -152,8 +160,7 @@ class JobField:
     def again(self, *numbers: int, most: int = 30_000) -> None:
         """Once more: all of them must work."""
         self.drop(*numbers)
-        for _ in range(6):
-            self.step()
+        self.steps(6)
         for drive in self.rig.drives:
             drive.journal.clear()
         self.start(*numbers)

@@ -60,11 +60,9 @@ def _everywhere(levels: tuple[tuple[int, ...], ...], thorough: bool, field: JobF
         for scan in range(120):
             at = (first + scan * (1 if thorough else 7)) % points
             _scan(field, at, (at * 5 + scan) % 60, (at + points // 2 + scan) % points)
-            if all(field.job(number).signals()[3] == DONE for number in (1, 2, 3)):
+            if set(field.statuses(1, 2, 3).values()) == {DONE}:
                 break
-        field.expect(
-            {number: field.job(number).signals()[3] for number in (1, 2, 3)}, dict.fromkeys((1, 2, 3), (DONE,))
-        )
+        field.expect(field.statuses(1, 2, 3), dict.fromkeys((1, 2, 3), (DONE,)))
         field.right(1, 2, 3)
         field.wire()
         for drive in field.rig.drives:
@@ -88,7 +86,7 @@ def _points(field: JobField) -> int:
         most = max(most, len(passage.points))
         field.step(0, block="OB35")
         field.step(0, block="OB82")
-    field.expect({number: field.job(number).signals()[3] for number in (1, 2, 3)}, dict.fromkeys((1, 2, 3), (DONE,)))
+    field.expect(field.statuses(1, 2, 3), dict.fromkeys((1, 2, 3), (DONE,)))
     for drive in field.rig.drives:
         drive.journal.clear()
     field.drop(1, 2, 3)
@@ -139,7 +137,7 @@ def _one_slot(levels: tuple[tuple[int, ...], ...], field: JobField) -> None:
                 field.step(10)
                 for block in blocks:
                     field.step(0, block=block)
-            field.expect({number: field.job(number).signals()[3] for number in (1, 2)}, {1: taken, 2: taken})
+            field.expect(field.statuses(1, 2), {1: taken, 2: taken})
             field.wire()
             field.drop(1, 2)
             for _ in range(3):

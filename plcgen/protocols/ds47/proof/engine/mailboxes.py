@@ -8,7 +8,7 @@ from itertools import product
 
 from plcgen.proof.rig import Members
 from plcgen.proof.scenario import STARTED, ScenarioError
-from plcgen.protocols.ds47.proof.engine.errands import READ_SPLIT, TRIGGER, WRITE_SPLIT
+from plcgen.protocols.ds47.proof.engine.errands import READ_SPLIT, TRIGGER, WRITE_SPLIT, Errand
 from plcgen.protocols.ds47.proof.engine.field import ALL, JobField
 from plcgen.protocols.ds47.proof.engine.partner import STATE_CONFLICT
 from plcgen.protocols.ds47.proof.engine.scenario import EngineScenario
@@ -81,8 +81,7 @@ def _twice(order: tuple[int, ...], field: JobField) -> None:
         for number in (1, 2):
             field.job(number).db.set("slot", 2)
         field.start(1)
-        for _ in range(offset):
-            field.step()
+        field.steps(offset)
         field.start(2)
         field.expect(field.until_end((1, 2)), {1: (taken,), 2: (taken,)})
         field.wire()
@@ -130,15 +129,13 @@ def _wait_limit(field: JobField) -> None:
     field.rig.bus.write_busy = 400
     field.step()
     field.start(1)
-    for _ in range(30):
-        field.step()
+    field.steps(30)
     field.rig.bus.write_busy = 1
     began = {}
     for number in (2, 3):
         field.start(number)
         began[number] = field.cpu.clock
-        for _ in range(50):
-            field.step()
+        field.steps(50)
     for number in (2, 3):
         field.expect(field.until_end((number,)), {number: (WORDS["OCCUPIED"],)})
         waited = field.cpu.clock - began[number]
@@ -160,8 +157,7 @@ def _wait_limit_exact(field: JobField) -> None:
     field.rig.bus.write_busy = 500
     field.step()
     field.start(2)
-    for _ in range(10):
-        field.step()
+    field.steps(10)
     for _ in range(2):  # the second one waits in a slot that has waited before
         field.start(1)
         for length in (*[0] * FREES, *[10] * 199, 9, *[0] * FREES):
@@ -169,9 +165,8 @@ def _wait_limit_exact(field: JobField) -> None:
             if not field.job(1).signals()[0]:
                 raise ScenarioError("a job hears that the unit is taken before the wait limit is over")
         field.step(1)
-        for _ in range(FREES):
-            field.step(0)
-        field.expect({1: field.job(1).signals()[3]}, {1: (WORDS["OCCUPIED"],)})
+        field.steps(FREES, 0)
+        field.expect(field.statuses(1), {1: (WORDS["OCCUPIED"],)})
         field.drop(1)
         field.step()
     field.rig.bus.write_busy = 1
@@ -184,11 +179,9 @@ def _waits_anew(field: JobField) -> None:
     for _ in range(3):
         field.rig.bus.write_busy = 150
         field.start(1)
-        for _ in range(5):
-            field.step()
+        field.steps(5)
         field.start(2)
-        for _ in range(3):
-            field.step()
+        field.steps(3)
         field.rig.bus.write_busy = 1
         field.expect(field.until_end((1, 2)), {1: (DONE,), 2: (DONE,)})
         field.idle(1, 2)
@@ -200,12 +193,11 @@ def _no_slot(field: JobField) -> None:
     field.rig.call((5, 1))
     field.start(1)
     field.step()
-    field.expect({1: field.job(1).signals()[3]}, {1: (WORDS["NO_SLOT"],)})  # its channel was never called
+    field.expect(field.statuses(1), {1: (WORDS["NO_SLOT"],)})  # its channel was never called
     field.rig.call(ORDERS[0])
     for slot in (0, -1, -30000, 5, max(5, slots), slots + 1, 32767):
         field.drop(1)
-        for _ in range(3):
-            field.step()
+        field.steps(3)
         field.job(1).db.set("slot", slot)
         field.start(1)
         field.step()
@@ -256,21 +248,26 @@ def _wrap(field: JobField) -> None:
                 raise ScenarioError(f"{name} counts {sorted(numbers)}")
 
 
-def _silent_job(conflicts: int, field: JobField) -> None:
-    """Behind each scan of a run; the unit is free after LEASE, the next job works, the silent one has lost."""
+def _running(conflicts: int, step: int, field: JobField) -> Iterator[tuple[Errand, int]]:
+    """What job 1 does, and each number of scans behind which it still runs."""
     reads = dict.fromkeys(range(1, conflicts + 1), STATE_CONFLICT)
-    for errand, calls in product((READ_SPLIT, TRIGGER), range(1, 14 + 20 * conflicts, 1 + conflicts)):
+    for errand, calls in product((READ_SPLIT, TRIGGER), range(1, 14 + 20 * conflicts, step)):
         three(field)
         field.give(1, errand)
         field.rig.call(ORDERS[0])
         field.rig.begin(EngineScenario(name="silent", reads=reads))
         field.step()
         field.start(1)
-        for _ in range(calls):
-            field.step()
-        if not field.job(1).signals()[0]:
+        field.steps(calls)
+        if field.job(1).signals()[0]:
+            yield errand, calls
+        else:
             field.idle(1)
-            continue
+
+
+def _silent_job(conflicts: int, field: JobField) -> None:
+    """Behind each scan of a run; the unit is free after LEASE, the next job works, the silent one has lost."""
+    for errand, calls in _running(conflicts, 1 + conflicts, field):
         field.rig.call((1, 2, 6, 7))
         began = field.cpu.clock
         field.start(2)
@@ -303,8 +300,7 @@ def _waits_anew_for_the_channel(field: JobField) -> None:
         field.drop(1)
         field.step()
     field.start(1)
-    for _ in range(CALLS_LIMIT // 2):
-        field.step()
+    field.steps(CALLS_LIMIT // 2)
     if not field.job(1).signals()[0]:
         raise ScenarioError(f"the next start ends at once with 16#{field.job(1).signals()[3]:04X}")
     field.rig.call(ORDERS[0])
@@ -321,8 +317,7 @@ def _same_mark(field: JobField) -> None:
     channel = Members(field.cpu, field.rig.program, "Channel1", ("statMark",))
     field.step()
     field.start(1)
-    for _ in range(5):
-        field.step()
+    field.steps(5)
     field.rig.call((1, 2, 6, 7))
     field.start(2)
     for _ in range(2 * LEASE_MS // 10):
@@ -349,8 +344,7 @@ def _stuck(stuck: str, field: JobField) -> None:
         field.rig.begin(EngineScenario(name="stuck", writes=writes, reads=reads))
         field.step()
         field.start(1)
-        for _ in range(scans):
-            field.step()
+        field.steps(scans)
         field.rig.call((2, 6, 7) if stuck == STUCK[0] else (1, 2, 6, 7))
         began = field.cpu.clock
         while unit.get("state") and field.cpu.clock - began < 2 * LEASE_MS:
@@ -359,8 +353,7 @@ def _stuck(stuck: str, field: JobField) -> None:
         if not LEASE_MS - 200 <= took <= LEASE_MS + 100 or field.rig.gate.get("channels[1].ask"):
             raise ScenarioError(f"a job that is gone, {stuck}, has the unit for {took} ms")
         count = len(field.rig.drives[0].journal)
-        for _ in range(50):
-            field.step()
+        field.steps(50)
         if len(field.rig.drives[0].journal) != count:
             raise ScenarioError("something is sent for a job that is gone")
         field.rig.begin(EngineScenario(name="again"))
@@ -380,15 +373,13 @@ def _lease(field: JobField) -> None:
     field.rig.call(ORDERS[0])
     field.step()
     field.start(1)
-    for _ in range(15):
-        field.step()
+    field.steps(15)
     field.rig.call((1, 2, 6, 7))
     for length in (*[10] * (LEASE_MS // 10), 9, *[0] * FREES, 1):
         if not unit.get("turn.grant"):
             raise ScenarioError(f"the unit is free before {LEASE_MS} ms are over")
         field.step(length)
-    for _ in range(FREES):
-        field.step(0)
+    field.steps(FREES, 0)
     if unit.get("turn.grant"):
         raise ScenarioError(f"the unit is not free when {LEASE_MS} ms are over")
 
@@ -430,11 +421,9 @@ def _no_time(field: JobField) -> None:
     field.step()
     field.start(1)
     began = field.cpu.clock
-    for _ in range(10):
-        field.step(0)
+    field.steps(10, 0)
     count = len(field.rig.drives[0].journal)
-    for _ in range(300):
-        field.step(0)
+    field.steps(300, 0)
     if not field.job(1).signals()[0] or len(field.rig.drives[0].journal) != count:
         raise ScenarioError("time passes although the clock stands still")
     field.expect(field.until_end((1,)), {1: (WORDS["TIMEOUT"],)})
@@ -473,27 +462,14 @@ def _at_once(field: JobField) -> None:
 
 def _silent_channel(conflicts: int, field: JobField) -> None:
     """Behind each scan of a run; the job hears it after CALLS_LIMIT calls, and works again when the channel does."""
-    reads = dict.fromkeys(range(1, conflicts + 1), STATE_CONFLICT)
-    for errand, calls in product((READ_SPLIT, TRIGGER), range(1, 14 + 20 * conflicts, 1 + 6 * conflicts)):
-        three(field)
-        field.give(1, errand)
-        field.rig.call(ORDERS[0])
-        field.rig.begin(EngineScenario(name="silent", reads=reads))
-        field.step()
-        field.start(1)
-        for _ in range(calls):
-            field.step()
-        if not field.job(1).signals()[0]:
-            field.idle(1)
-            continue
+    for errand, calls in _running(conflicts, 1 + 6 * conflicts, field):
         field.rig.call((1, 5, 6, 7))
         before = field.scans
         found = field.until_end((1,))
         _heard(field.scans - before, seen=calls > 1)
         field.expect(found, {1: (WORDS["NOT_CALLED"],)})
         field.rig.call(ORDERS[0])
-        for _ in range(20):
-            field.step(500)
+        field.steps(20, 500)
         field.wire()
         sent = [e for e in field.rig.drives[0].journal if e.direction == "write"]
         if errand.once and len(sent) > 1:
@@ -522,9 +498,9 @@ def _two_levels(calls: tuple[int, ...], field: JobField, *, fast: bool) -> None:
         for scan in range(800):
             slow = "OB1" if fast else "OB35"
             field.step(10, block=slow if scan % 3 == number % 3 else "OB35" if fast else "OB1")
-            if all(field.job(n).signals()[3] == DONE for n in (1, 2, 3)):
+            if set(field.statuses(1, 2, 3).values()) == {DONE}:
                 break
-        field.expect({n: field.job(n).signals()[3] for n in (1, 2, 3)}, dict.fromkeys((1, 2, 3), (DONE,)))
+        field.expect(field.statuses(1, 2, 3), dict.fromkeys((1, 2, 3), (DONE,)))
         field.right(1, 2, 3)
         field.wire()
         field.drop(1, 2, 3)

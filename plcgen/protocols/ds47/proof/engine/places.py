@@ -123,8 +123,7 @@ def _dead(state: int, field: JobField) -> None:
     field.rig.bus.write_busy = field.rig.bus.read_busy = 5
     field.step()
     for delay in (0, 500, 1500, 2500):
-        for _ in range(delay // 10):
-            field.step()
+        field.steps(delay // 10)
         field.start(1)
         for _ in range(60):
             field.step()
@@ -143,8 +142,7 @@ def _dead(state: int, field: JobField) -> None:
         field.right(4)
         field.drop(4)
         field.rig.call(CALLS)
-        for _ in range(400):
-            field.step(20)
+        field.steps(400, 20)
         field.wire()
         field.idle(1, 4)
         field.again(1, 4, 5)
@@ -162,8 +160,7 @@ def _lease(field: JobField) -> None:
     field.rig.bus.write_busy = 5000
     field.step()
     field.start(1, 4)
-    for _ in range(10):
-        field.step()
+    field.steps(10)
     first, second = (f"channels[{number}].grant" for number in (1, 2))
     field.rig.call((3, 1))
     while field.rig.gate.get(first):
@@ -252,8 +249,7 @@ def _twice(field: JobField) -> None:
         field.rig.call(calls)
         for offset in range(12):
             field.start(1)
-            for _ in range(offset):
-                field.step()
+            field.steps(offset)
             field.start(4)
             found = field.until_end((1, 4))
             field.expect(found, {1: ends, 4: ends})

@@ -75,8 +75,7 @@ def _together(kind: str, field: JobField) -> None:
     field.step()
     for at in range(1, 60):
         field.start(1, 2, 3)
-        for _ in range(at):
-            field.step()
+        field.steps(at)
         if kind == "warm":
             field.cpu.restart("warm")
         else:
@@ -95,12 +94,10 @@ def _load_alone(field: JobField) -> None:
     field.step()
     for at in SCANS:
         field.start(1)
-        for _ in range(at):
-            field.step()
+        field.steps(at)
         _told(field, 1, at)
         field.drop(1)
-        for _ in range(10):
-            field.step()
+        field.steps(10)
         field.again(1)
 
 
@@ -122,8 +119,7 @@ def _load_first(at: int, field: JobField) -> None:
     field.tolerated = ("PG830",)
     field.step()
     field.start(3)
-    for _ in range(at):
-        field.step()
+    field.steps(at)
     _told(field, 3, at)
     if field.times_sent(3) > 1:
         raise ScenarioError(f"a trigger was sent twice, its channel loaded after scan {at}")
@@ -137,13 +133,11 @@ def _load(errand: Errand, parts: tuple[tuple[str, str], ...], scans: range, fiel
         field.rig.call(ORDERS[at % len(ORDERS)])
         field.give(1, errand)
         field.rig.begin(EngineScenario(name="load", reads={1: STATE_CONFLICT}))
-        for _ in range(3):
-            field.step()
+        field.steps(3)
         field.start(1)
         field.step()
         field.start(2)
-        for _ in range(at):
-            field.step()
+        field.steps(at)
         if at % 11 == 10:
             field.step(200)
         for name, part in parts:
