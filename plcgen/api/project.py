@@ -206,7 +206,7 @@ def generate(
     unchanged: Iterable[str] = ()
     removed: Iterable[str] = ()
     diff = ""
-    try:
+    with report.catch():
         files = render_project(checked.project, progress)
         owned = checked.project.loaded.spec.plc.user_owned
         if check_only:
@@ -216,8 +216,6 @@ def generate(
             result = write_folder(files, target, force=force, owned=owned)
             written, unchanged, removed = result.written, result.unchanged, result.removed
             report.extend(_left_behind(result, target))
-    except DiagnosticError as problem:
-        report.extend(problem.diagnostics)
     idle = None
     if stats and target.is_dir():
         from plcgen.proof.idle import idle_statements

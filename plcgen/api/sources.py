@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 from plcgen.api.arguments import expect
 from plcgen.api.project import problems_of
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span, has_errors
+from plcgen.diagnostics import Diagnostic, Report, Span, has_errors
 from plcgen.input.files import YAML_SUFFIXES
 from plcgen.inspection.layout.tables import BlockTable, LayoutResult
 from plcgen.s7.families import FAMILIES, Family
@@ -144,11 +144,9 @@ def convert(
     written: tuple[str, ...] = ()
     unchanged: tuple[str, ...] = ()
     if found.files:
-        try:
+        with report.catch():
             done = add_files(found.files, Path(out), force=force)
             written, unchanged = done.written, done.unchanged
-        except DiagnosticError as problem:
-            report.extend(problem.diagnostics)
     return ConvertResult(Path(out), written, unchanged, tuple(report))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 
@@ -118,6 +119,14 @@ class Report:
     def extend(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Append several diagnostics."""
         self.diagnostics.extend(diagnostics)
+
+    @contextmanager
+    def catch(self) -> Iterator[None]:
+        """Append the diagnostics of an error that ends the block, and go on behind it."""
+        try:
+            yield
+        except DiagnosticError as problem:
+            self.extend(problem.diagnostics)
 
     def __iter__(self) -> Iterator[Diagnostic]:
         return iter(self.sorted())

@@ -44,15 +44,13 @@ def open_spec(path: Path) -> Opened:
     """Open a spec; whatever is wrong with it is a diagnostic."""
     report = Report()
     project: Project | None = None
-    try:
+    with report.catch():
         loaded = load_spec(path, report)
         if loaded is None:
             report.extend(_found_besides(path))
         else:
             project = resolve(loaded, report)
             apply_rules(project, report)
-    except DiagnosticError as problem:
-        report.extend(problem.diagnostics)
     uses = () if project is None else project.loaded.uses
     return Opened(project, tuple(settled(with_origins(report, uses), allowed_in(project))))
 
@@ -71,9 +69,7 @@ def _found_besides(path: Path) -> Iterator[Diagnostic]:
     if part is None:
         return
     report = Report()
-    try:
+    with report.catch():
         loaded = LoadedSpec(path.as_posix(), "", part.loaded.model, part.loaded.root, whole=part.whole)
         apply_rules(resolve(loaded, report), report)
-    except DiagnosticError as problem:
-        report.extend(problem.diagnostics)
     yield from part.told(report)

@@ -80,34 +80,28 @@ def _bus(
     faults: Sequence[str],
 ) -> Bus:
     """Everything that was told about the stations, with all mistakes at once."""
-    from plcgen.diagnostics import Diagnostic, DiagnosticError
+    from plcgen.diagnostics import DiagnosticError, Report
     from plcgen.input.text import read_text
     from plcgen.protocols.ppi.sim.bus import Bus
     from plcgen.protocols.ppi.sim.fault_text import parse_fault
     from plcgen.protocols.ppi.sim.load import load_bus, set_address
     from plcgen.protocols.ppi.wire.address import address_text
 
-    problems: list[Diagnostic] = []
+    report = Report()
     bus = Bus()
-    try:
+    with report.catch():
         found = find_symbols(table)
         symbols = {} if found is None else {entry.name: address_text(entry.item) for entry in found.symbols}
         text = "{}" if file is None else read_text(file)
         bus = load_bus(text, "--cpu" if file is None else str(file), cpu, address, symbols)
-    except DiagnosticError as problem:
-        problems += problem.diagnostics
     for text in faults:
-        try:
+        with report.catch():
             bus.faults.append(parse_fault(text))
-        except DiagnosticError as problem:
-            problems += problem.diagnostics
     for text in sets if bus.stations else ():
-        try:
+        with report.catch():
             set_address(bus, text)
-        except DiagnosticError as problem:
-            problems += problem.diagnostics
-    if problems:
-        raise DiagnosticError(problems)
+    if report.diagnostics:
+        raise DiagnosticError(report.diagnostics)
     return bus
 
 

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, BeforeValidator, RootModel
 
-from plcgen.diagnostics import DiagnosticError, Report, Span
+from plcgen.diagnostics import Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.text import read_text
 from plcgen.input.validation import FileShape, problem, read_document, validate
@@ -61,9 +61,8 @@ def _read(setting: str, report: Report) -> dict[str, Level]:
         typed = validate(plain_node({key.strip(): value.strip()}, Span(f"--policy {setting}")), POLICY, report)
         return typed.root if typed else {}
     path = Path(setting)
-    try:
+    with report.catch():
         loaded = read_document(read_text(path), path.as_posix(), POLICY, report)
-    except DiagnosticError as problem:
-        report.extend(problem.diagnostics)
-        return {}
-    return loaded.model.root if loaded else {}
+        if loaded:
+            return loaded.model.root
+    return {}

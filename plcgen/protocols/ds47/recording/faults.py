@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import Field, ValidationInfo, field_validator
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError
+from plcgen.diagnostics import DiagnosticError, Report
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import read_fault
 from plcgen.input.text import read_text
@@ -45,22 +45,18 @@ class FaultPlan:
 def plan_faults(texts: Sequence[str], file: Path | None, drives: Sequence[str]) -> FaultPlan:
     """Faults of the command line and of a YAML file. Raises DiagnosticError with every problem."""
     plan = FaultPlan()
-    problems: list[Diagnostic] = []
+    report = Report()
     faults: list[DriveFault] = []
     for text in texts:
-        try:
+        with report.catch():
             faults.append(_typed(text, drives))
-        except DiagnosticError as wrong:
-            problems += wrong.diagnostics
     if file is not None:
-        try:
+        with report.catch():
             faults += load_document(read_text(file), str(file), _FILE, {"drives": drives}).model.faults
-        except DiagnosticError as wrong:
-            problems += wrong.diagnostics
     for fault in faults:
         plan.add(fault.drive, [fault.fault()])
-    if problems:
-        raise DiagnosticError(problems)
+    if report.diagnostics:
+        raise DiagnosticError(report.diagnostics)
     return plan
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError
+from plcgen.diagnostics import DiagnosticError, Report
 from plcgen.input.text import read_text
 from plcgen.input.validation import FileShape, StrictModel, load_document
 from plcgen.protocols.ppi.sim import Fault
@@ -24,18 +24,14 @@ _FILE = FileShape(LineFaults, "the file", FAULTS_SHAPE, prepare=with_faults_key)
 
 def read_faults(texts: Sequence[str], file: Path | None) -> list[Fault]:
     """Faults of the command line and of a YAML file. Raises DiagnosticError with every problem."""
-    problems: list[Diagnostic] = []
+    report = Report()
     faults: list[Fault] = []
     for text in texts:
-        try:
+        with report.catch():
             faults.append(parse_fault(text))
-        except DiagnosticError as wrong:
-            problems += wrong.diagnostics
     if file is not None:
-        try:
+        with report.catch():
             faults += [keys.fault() for keys in load_document(read_text(file), str(file), _FILE).model.faults]
-        except DiagnosticError as wrong:
-            problems += wrong.diagnostics
-    if problems:
-        raise DiagnosticError(problems)
+    if report.diagnostics:
+        raise DiagnosticError(report.diagnostics)
     return faults
