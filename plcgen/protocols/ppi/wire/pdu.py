@@ -269,15 +269,20 @@ def _job(findings: ItemFindings, data: bytes, start: int) -> Pdu | None:
     return UnknownJob(reference, parameter, data[at:])
 
 
+def _check_count(findings: ItemFindings, count: int, place: int) -> None:
+    """Of the items of a request or an answer."""
+    if count == 0:
+        findings.add(Kind.ITEM_COUNT, place, "the number of items is 0")
+    if count > ITEM_LIMIT:
+        findings.add(Kind.LIMIT, place, f"{count} items; one telegram has at most {ITEM_LIMIT}")
+
+
 def _items(findings: ItemFindings, data: bytes, start: int, reference: int, *, write: bool) -> Pdu | None:
     if start + 2 > len(data):
         findings.add(Kind.PARAMETER_LENGTH, 6, "the number of items is missing")
         return None
     count = data[start + 1]
-    if count == 0:
-        findings.add(Kind.ITEM_COUNT, start + 1, "the number of items is 0")
-    if count > ITEM_LIMIT:
-        findings.add(Kind.LIMIT, start + 1, f"{count} items; one telegram has at most {ITEM_LIMIT}")
+    _check_count(findings, count, start + 1)
     parameter, at = _split(findings, data, start, items_length(count))
     if len(parameter) < items_length(count):
         return None
@@ -376,10 +381,7 @@ def _results(findings: ItemFindings, data: bytes, start: int, reference: int) ->
     if len(parameter) < 2:
         return None
     count = parameter[1]
-    if count == 0:
-        findings.add(Kind.ITEM_COUNT, start + 1, "the number of items is 0")
-    if count > ITEM_LIMIT:
-        findings.add(Kind.LIMIT, start + 1, f"{count} items; one telegram has at most {ITEM_LIMIT}")
+    _check_count(findings, count, start + 1)
     if parameter[0] == Function.READ:
         values, _ = read_values(findings, data, at, count, reply=True)
         return ReadReply(reference, tuple(result_of(value) for value in values)) if len(values) == count else None
