@@ -132,6 +132,11 @@ class JobField:
                 names = " or ".join(f"16#{word:04X}" for word in words)
                 raise ScenarioError(f"job {number} ends with 16#{found.get(number, 0xFFFF):04X} instead of {names}")
 
+    def done(self, *numbers: int, most: int = 30_000) -> None:
+        """Scan until these jobs are done, with the right values."""
+        self.expect(self.until_end(numbers, most=most), dict.fromkeys(numbers, (DONE,)))
+        self.right(*numbers)
+
     def right(self, *numbers: int) -> None:
         """These jobs have what the drive has, or the drive has what they wrote."""
         for number in numbers:
@@ -164,8 +169,7 @@ class JobField:
         for drive in self.rig.drives:
             drive.journal.clear()
         self.start(*numbers)
-        self.expect(self.until_end(numbers, most=most), dict.fromkeys(numbers, (DONE,)))
-        self.right(*numbers)
+        self.done(*numbers, most=most)
         self.idle(*numbers)
 
 

@@ -66,8 +66,7 @@ def _offsets(order: tuple[int, ...], field: JobField) -> None:
         for scan in range(OFFSETS):
             field.start(*(number for number, at in starts.items() if at == scan))
             field.step()
-        field.expect(field.until_end((1, 2, 3)), dict.fromkeys((1, 2, 3), (DONE,)))
-        field.right(1, 2, 3)
+        field.done(1, 2, 3)
         field.wire()
         field.idle(1, 2, 3)
 
@@ -237,8 +236,7 @@ def _wrap(field: JobField) -> None:
                 seen["beat"].add(unit.get("turn.beat"))
                 seen["mark"].add(unit.get("asks[1].mark"))
                 seen["ask"].add(gate.get("channels[1].ask") or 1)
-            field.expect(field.until_end((1, 2, 3)), dict.fromkeys((1, 2, 3), (DONE,)))
-            field.right(1, 2, 3)
+            field.done(1, 2, 3)
             wants.append(-unit.get("asks[3].want", signed=True))
             field.idle(1, 2, 3)
         if wants != [(at + n) % COUNTERS + 1 for n in range(6)]:
@@ -304,8 +302,7 @@ def _waits_anew_for_the_channel(field: JobField) -> None:
     if not field.job(1).signals()[0]:
         raise ScenarioError(f"the next start ends at once with 16#{field.job(1).signals()[3]:04X}")
     field.rig.call(ORDERS[0])
-    field.expect(field.until_end((1,)), {1: (DONE,)})
-    field.right(1)
+    field.done(1)
     field.idle(1)
 
 
@@ -325,8 +322,7 @@ def _same_mark(field: JobField) -> None:
         if unit.get("turn.grant") // GRANT == 3:
             break
     channel.set("statMark", unit.get("asks[3].mark"))
-    field.expect(field.until_end((2,)), {2: (DONE,)})
-    field.right(2)
+    field.done(2)
     field.rig.call(ORDERS[0])
     field.expect(field.until_end((1,)), {1: (WORDS["LOST"],)})
     field.idle(1, 2)
@@ -455,8 +451,7 @@ def _at_once(field: JobField) -> None:
         field.rig.call(ORDERS[0])
         if field.job(1).signals() != (True, False, False, STARTED):
             raise ScenarioError(f"busy, done, error and status of the next job are {field.job(1).signals()}")
-        field.expect(field.until_end((1,)), {1: (DONE,)})
-        field.right(1)
+        field.done(1)
         field.idle(1)
 
 
