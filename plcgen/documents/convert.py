@@ -116,6 +116,10 @@ def _group(read: _Sources, to: Target, setting: Setting, found: Converted) -> It
             message = f'{block.kind} "{block.name}" is of a safety program, here it would be a standard block: left out'
             found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
             continue
+        if block.kind in _CODE and block.code is None:
+            message = f'{block.kind} "{block.name}" has no SCL code: it is not converted'
+            found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
+            continue
         if to == "scl":
             file = _to_text(block, place, types, found)
         else:
@@ -214,10 +218,6 @@ def file_name(name: str) -> str:
 
 
 def _to_text(block: Block, place: Span, types: dict[str, Block], found: Converted) -> RenderedFile | None:
-    if block.kind in _CODE and block.code is None:
-        message = f'{block.kind} "{block.name}" has no SCL code: it is not converted'
-        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
-        return None
     found.diagnostics += _lost_in_text(block, place)
     text = source(block, types)
     problem = _wrong(text, block)
@@ -265,11 +265,7 @@ def _to_document(
         message = f'{block.kind} "{block.name}" is one array: documents of array DBs are not written, it is left out'
         found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
         return None
-    if block.kind in _CODE:
-        if block.code is None:
-            message = f'{block.kind} "{block.name}" has no SCL code: it is not converted'
-            found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
-            return None
+    if block.kind in _CODE and block.code is not None:
         scope = BlockScope.of(block, types.values(), read.constants)
         unknown: dict[str, tuple[int, int]] = {}
         tokens = tokenize(block.code, str(place.file))

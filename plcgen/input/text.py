@@ -10,6 +10,17 @@ from plcgen.input.files import read_bounded
 from plcgen.input.yaml import MAX_BYTES
 
 
+def read_data(path: Path, most: int, file: str) -> bytes:
+    """A file, or one byte more than ``most`` of it. Raises DiagnosticError, PG110."""
+    try:
+        return read_bounded(path, most)
+    except OSError as problem:
+        why = "no such file" if isinstance(problem, FileNotFoundError) else problem.strerror or str(problem)
+        raise DiagnosticError(
+            [Diagnostic("PG110", f"cannot read the file: {why}", Span(file), help="check the path")]
+        ) from problem
+
+
 def read_text(path: Path, file: str | None = None) -> str:
     """Text of a YAML file (UTF-8, with or without BOM, at most ``MAX_BYTES``).
 
@@ -17,13 +28,7 @@ def read_text(path: Path, file: str | None = None) -> str:
         DiagnosticError: PG110 if it cannot be read, PG102 if it is not UTF-8, PG109 if it is too large.
     """
     name = file or str(path)
-    try:
-        data = read_bounded(path, MAX_BYTES)
-    except OSError as problem:
-        why = "no such file" if isinstance(problem, FileNotFoundError) else problem.strerror or str(problem)
-        raise DiagnosticError(
-            [Diagnostic("PG110", f"cannot read the file: {why}", Span(name), help="check the path")]
-        ) from problem
+    data = read_data(path, MAX_BYTES, name)
     if len(data) > MAX_BYTES:
         message = f"larger than {MAX_BYTES // 1024 // 1024} MiB"
         raise DiagnosticError([Diagnostic("PG109", message, Span(name), help="split the file")])

@@ -17,8 +17,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.input.files import read_bounded
-from plcgen.input.text import decoded_list
+from plcgen.input.text import decoded_list, read_data
 from plcgen.input.workbook import Numeral, Row, WorkbookError, read_sheets
 from plcgen.protocols.ds47.catalogue.numbers import decimal_sign, looks_like_number, number
 
@@ -93,12 +92,7 @@ def load_sheets(path: Path) -> Sequence[Sequence[Row]]:
     """The rows of a file: one sheet of a CSV, the sheets of a workbook. Raises as ``load_list`` does."""
     if path.suffix.lower() in {".xls", ".ods"}:
         raise wrong(path, f"{path.suffix} files are not supported", "save it as XLSX or CSV")
-    try:
-        data = read_bounded(path, MAX_BYTES)
-    except OSError as problem:
-        why = "no such file" if isinstance(problem, FileNotFoundError) else problem.strerror or str(problem)
-        cannot = Diagnostic("PG110", f"cannot read the file: {why}", Span(str(path)), help="check the path")
-        raise DiagnosticError([cannot]) from problem
+    data = read_data(path, MAX_BYTES, str(path))
     if len(data) > MAX_BYTES:
         raise wrong(path, f"the file has more than {MAX_BYTES // 1024 // 1024} MiB", "export fewer parameters at once")
     return _book(data, path) if data.startswith(_ZIP) else [list(_rows(decoded_list(data), path))]
