@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.line.model import CANNOT_OPEN, Line, LineError
-from plcgen.line.tcp import CONNECT_SECONDS, SCHEME
+from plcgen.line.tcp import SCHEME
 
 RFC2217 = "rfc2217://"
 SCHEMES = {
@@ -18,16 +18,16 @@ _OTHERS = {"tcp://": SCHEME, "raw://": SCHEME, "telnet://": RFC2217} | dict.from
 """What people write, and what they mean: a scheme, or none for a port."""
 
 
-def open_line(name: str, rate: int = 9600, timeout: float = CONNECT_SECONDS) -> Line:
+def open_line(name: str, rate: int = 9600) -> Line:
     """Open ``socket://HOST:PORT``, ``rfc2217://HOST:PORT`` or, without a scheme, a serial port.
 
-    ``rate`` in bit/s counts for serial ports and RFC 2217 only, ``timeout`` in seconds for TCP only. Raises LineError.
+    ``rate`` in bit/s counts for serial ports and RFC 2217 only. Raises LineError.
     """
     scheme = name[: name.find("://") + 3].lower() if "://" in name else ""
     if scheme == SCHEME:
         from plcgen.line.tcp import TcpLine
 
-        return TcpLine.connect(SCHEME + name[len(SCHEME) :], timeout)
+        return TcpLine.connect(SCHEME + name[len(SCHEME) :])
     if scheme not in {"", RFC2217}:
         raise LineError(CANNOT_OPEN, name, f'unknown kind of line "{scheme}"', _hint(name, scheme))
     from plcgen.line.serial import SerialLine

@@ -45,11 +45,11 @@ class TcpLine(WaitingLine):
         super().__init__(name)
 
     @classmethod
-    def connect(cls, address: str, timeout: float = CONNECT_SECONDS) -> TcpLine:
+    def connect(cls, address: str) -> TcpLine:
         """Connect to a serial server. Raises LineError."""
         host, port = parse_endpoint(address)
         try:
-            return cls(socket.create_connection((host, port), timeout), tcp_name(host, port))
+            return cls(socket.create_connection((host, port), CONNECT_SECONDS), tcp_name(host, port))
         except OSError as problem:
             raise _refused(tcp_name(host, port), problem) from problem
 

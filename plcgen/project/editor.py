@@ -22,9 +22,9 @@ S7_NUMBER = "^((B|W|DW|L|BYTE|WORD|DWORD)#)?(16#[0-9A-Fa-f_]+|8#[0-7_]+|2#[01_]+
 DURATION = r"^[0-9]{1,7}\s*(ms|s|min)$"
 
 
-def suggested(names: Iterable[str], kind: str = "string") -> dict[str, Any]:
-    """Any text (or another ``kind`` of value), of which an editor offers some."""
-    return {"anyOf": [{"enum": list(names)}, {"type": kind}]}
+def suggested(names: Iterable[str]) -> dict[str, Any]:
+    """Any text, of which an editor offers some."""
+    return {"anyOf": [{"enum": list(names)}, {"type": "string"}]}
 
 
 def in_a_file(schema: Any, *, named: bool = False) -> Any:

@@ -13,6 +13,8 @@ _RIGHT = frozenset({0, 4})
 _LONG = 6
 """Rows after which the picture shortens a member to its first and last two bytes."""
 
+_CELL = 31
+"""Columns of a byte in the picture."""
 _START = 36
 """Columns of start values on a screen; files have them whole."""
 
@@ -56,12 +58,11 @@ def shown_columns(block: BlockTable, start: int = 0) -> tuple[list[tuple[str, ..
     return [tuple(row[n] for n in kept) for row in table], right
 
 
-def picture(block: BlockTable, columns: int = 72) -> list[str]:
+def picture(block: BlockTable) -> list[str]:
     """Draw the bytes of a telegram, two to a row, with the member each belongs to."""
     data = block.data or b""
-    cell = (columns - 10) // 2
-    rule = f"       +{'-' * cell}+{'-' * cell}+"
-    lines = [f"  byte  {pad('+0', cell)} +1", rule]
+    rule = f"       +{'-' * _CELL}+{'-' * _CELL}+"
+    lines = [f"  byte  {pad('+0', _CELL)} +1", rule]
     byte = 0
     for row in block.rows:
         if row.byte is None or row.bits < 8:
@@ -71,12 +72,12 @@ def picture(block: BlockTable, columns: int = 72) -> list[str]:
             lines.append(rule)
         for step in _steps(row.byte, size):
             if step is None:
-                lines.append(f"       |{pad(' ...', 2 * cell + 1)}|")
+                lines.append(f"       |{pad(' ...', 2 * _CELL + 1)}|")
             else:
-                _draw(lines, row, data, step, cell)
+                _draw(lines, row, data, step)
         byte = row.byte + size
     if lines[-1].count("|") == 2 and byte % 2:
-        lines[-1] += f"{' ' * cell}|"
+        lines[-1] += f"{' ' * _CELL}|"
     return [*lines, rule]
 
 
@@ -90,12 +91,12 @@ def _steps(start: int, size: int) -> list[tuple[int, int] | None]:
     return [*pieces[:2], None, *pieces[-2:]] if len(pieces) > _LONG else pieces
 
 
-def _draw(lines: list[str], row: LayoutRow, data: bytes, step: tuple[int, int], cell: int) -> None:
+def _draw(lines: list[str], row: LayoutRow, data: bytes, step: tuple[int, int]) -> None:
     begin, count = step
     values = " ".join(f"{value:02X}" for value in data[begin : begin + count])
     name = clean(row.name) if begin == row.byte else '"'
-    text = cut(f" {values}  {name}", cell * count + count - 1)
-    drawn = pad(text, cell * count + count - 1)
+    text = cut(f" {values}  {name}", _CELL * count + count - 1)
+    drawn = pad(text, _CELL * count + count - 1)
     if begin % 2:
         lines[-1] += f"{drawn}|"
     else:

@@ -453,7 +453,7 @@ def _own_writes(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
     found = []
     for field in job.telegrams[0].request.fields:
         if field.role == "drive_object":
-            found.append((_cell(plan, "requestDb", field.offset, 1), f"{mark}driveObject"))
+            found.append((_cell(plan, field.offset, 1), f"{mark}driveObject"))
         if field.role != "value" or field.part is None or field.part.use.constant:
             continue
         name = f"{mark}{field.part.use.member}"
@@ -469,13 +469,13 @@ def _own_writes(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
             own = interface_type(field.part.use.format, 1, field.part.use.subindex, plan.target)
             cell = _CELLS[size][0]
             given = own.name if isinstance(own, Elementary) else type_.name
-            found.append((_cell(plan, "requestDb", field.offset + number * size, size), _as_cell(source, given, cell)))
+            found.append((_cell(plan, field.offset + number * size, size), _as_cell(source, given, cell)))
     return found
 
 
-def _cell(plan: DrivePlan, block: str, offset: int, size: int) -> str:
+def _cell(plan: DrivePlan, offset: int, size: int) -> str:
     _, tia, v5 = _CELLS[size]
-    return f"{block}.{v5}[{offset}]" if plan.target.v5 else f"#{block}.%{tia}{offset}"
+    return f"requestDb.{v5}[{offset}]" if plan.target.v5 else f"#requestDb.%{tia}{offset}"
 
 
 def _as_cell(source: str, type_: str, cell: str) -> str:

@@ -196,13 +196,13 @@ class JobPlanner:
     ) -> PpiTelegram:
         self.telegrams += 1
         frame = _frame(kind, station.address, self.master.own_address, items)
-        table = self._block("DB", f"{name}_Request", request, (*path, "request"))
+        table = self._block(f"{name}_Request", request, (*path, "request"))
         request_id = frame[FRAME_HEADER + JOB_HEADER]
         asked = request_fields(frame, items)
         sent = Buffer(table, self._type(table, path), asked, LEAD + len(frame), frame, bytes((len(frame),)))
         answer = None
         if kind in {"read", "write"}:
-            db = self._block("DB", f"{name}_Response", response, (*path, "response"))
+            db = self._block(f"{name}_Response", response, (*path, "response"))
             fields = response_fields(items, write=kind == "write")
             answer = Buffer(db, self._type(db, path), fields, fields[-1].offset + fields[-1].size)
         return PpiTelegram(
@@ -219,8 +219,8 @@ class JobPlanner:
     def _type(self, block: BlockRef, path: SpecPath) -> BlockRef:
         return self.numbering.block("UDT", f"type{first_upper(block.name)}", path)
 
-    def _block(self, kind: str, name: str, given: PpiBuffer, path: SpecPath) -> BlockRef:
-        return self.numbering.block(kind, given.name or name, path, given.db, given=bool(given.name))
+    def _block(self, name: str, given: PpiBuffer, path: SpecPath) -> BlockRef:
+        return self.numbering.block("DB", given.name or name, path, given.db, given=bool(given.name))
 
 
 def _frame(kind: Kind, station: int, own: int, items: tuple[WireItem, ...]) -> bytes:

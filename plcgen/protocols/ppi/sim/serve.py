@@ -40,9 +40,9 @@ class Stopwatch:
         return int((time.monotonic() - self._start) * 1000)
 
 
-def serve_line(bus: Bus, line: Line, ended: Ended, clock: Stopwatch | None = None, patience: float = _PATIENCE) -> None:
+def serve_line(bus: Bus, line: Line, ended: Ended, patience: float = _PATIENCE) -> None:
     """Serve one line until ``ended()`` is true. Raises LineLostError if the line goes away."""
-    clock = clock or Stopwatch()
+    clock = Stopwatch()
     while not ended():
         due = bus.due()
         wait = patience if due is None else min(patience, max(0.0, (due - clock.now) / 1000))
@@ -58,7 +58,6 @@ def serve_tcp(
     bus: Bus,
     server: TcpServer,
     ended: Ended,
-    clock: Stopwatch | None = None,
     tell: Callable[[str], None] | None = None,
     patience: float = _PATIENCE,
     idle: float = IDLE,
@@ -68,7 +67,7 @@ def serve_tcp(
     Every connection is a line of its own to the same CPUs: it begins with fresh frame counts, and nobody waits because
     another client holds its connection, or many of them. One that is silent for ``idle`` seconds is ended, 0: none is.
     """
-    clock, tell = clock or Stopwatch(), tell or _quiet
+    clock, tell = Stopwatch(), tell or _quiet
     branches: dict[TcpLine, Bus] = {}
     heard: dict[TcpLine, int] = {}
     try:

@@ -8,7 +8,7 @@ bytes on a PPI line.
 from __future__ import annotations
 
 from plcgen.diagnostics.counting import quantity
-from plcgen.protocols.ppi.wire.errors import TOLERABLE, Kind, PpiError, Violation
+from plcgen.protocols.ppi.wire.errors import Kind, PpiError, Violation
 from plcgen.protocols.ppi.wire.model import (
     ACKNOWLEDGE,
     CLIPPED,
@@ -81,14 +81,9 @@ def _require(frame: VariableFrame | FixedFrame | DataFrame | TokenFrame) -> None
         raise PpiError(found)
 
 
-def decode_frame(data: bytes, *, tolerant: bool = False) -> Frame:
-    """Return the one frame in ``data``; PpiError with every violation.
-
-    ``tolerant`` accepts F9 and FE for E5. The PDU of an SD2 frame is not looked into.
-    """
+def decode_frame(data: bytes) -> Frame:
+    """Return the one frame in ``data``; PpiError with every violation. The PDU of an SD2 frame is not looked into."""
     frame, found = examine_frame(data)
-    if tolerant:
-        found = [violation for violation in found if violation.kind not in TOLERABLE]
     if found or frame is None:
         raise PpiError(found)
     return frame

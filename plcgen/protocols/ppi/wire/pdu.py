@@ -77,8 +77,8 @@ def reply_size(items: tuple[Item, ...] | list[Item]) -> int:
 # ---- Encoding -------------------------------------------------------------------------------------------------
 
 
-def encode_pdu(pdu: Pdu, *, experimental: bool = False, limit: int = PDU_LIMIT) -> bytes:
-    """Return the bytes of a PDU. PpiError if it, or the answer it asks for, is longer than ``limit`` bytes,
+def encode_pdu(pdu: Pdu, *, experimental: bool = False) -> bytes:
+    """Return the bytes of a PDU. PpiError if it, or the answer it asks for, is longer than ``PDU_LIMIT`` bytes,
 
     if a value does not fit its field, or if it is unconfirmed and ``experimental`` is not given.
     """
@@ -94,10 +94,10 @@ def encode_pdu(pdu: Pdu, *, experimental: bool = False, limit: int = PDU_LIMIT) 
     encoded = bytes((PROTOCOL, rosctr, 0, 0)) + pdu.reference.to_bytes(2) + sizes + error + parameter + data
     if isinstance(pdu, ReadRequest | WriteRequest) and len(pdu.items) > ITEM_LIMIT:
         raise PpiError.of(Kind.LIMIT, f"{len(pdu.items)} items; one telegram has at most {ITEM_LIMIT}")
-    if len(encoded) > limit:
-        raise PpiError.of(Kind.LIMIT, f"the PDU has {len(encoded)} bytes; at most {limit} are possible")
-    if isinstance(pdu, ReadRequest) and reply_size(pdu.items) > limit:
-        text = f"the answer would have {reply_size(pdu.items)} bytes; at most {limit} are possible"
+    if len(encoded) > PDU_LIMIT:
+        raise PpiError.of(Kind.LIMIT, f"the PDU has {len(encoded)} bytes; at most {PDU_LIMIT} are possible")
+    if isinstance(pdu, ReadRequest) and reply_size(pdu.items) > PDU_LIMIT:
+        text = f"the answer would have {reply_size(pdu.items)} bytes; at most {PDU_LIMIT} are possible"
         raise PpiError.of(Kind.LIMIT, text)
     return encoded
 

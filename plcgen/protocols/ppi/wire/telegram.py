@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from plcgen.protocols.ppi.wire.errors import ANSWERABLE, TOLERABLE, PpiError, Violation
+from plcgen.protocols.ppi.wire.errors import TOLERABLE, PpiError, Violation
 from plcgen.protocols.ppi.wire.fdl import encode_frame, examine_frame
 from plcgen.protocols.ppi.wire.model import FIRST, FixedFrame, Frame, Pdu, Reply, Request, VariableFrame
 from plcgen.protocols.ppi.wire.pdu import encode_pdu, examine_pdu
@@ -44,17 +44,15 @@ def examine(data: bytes) -> Examination:
     return Examination(frame, pdu, tuple(found))
 
 
-def decode_telegram(data: bytes, *, tolerant: bool = False, answerable: bool = False) -> WireTelegram:
+def decode_telegram(data: bytes, *, tolerant: bool = False) -> WireTelegram:
     """Return the telegram in ``data``; PpiError with every violation of frame and PDU.
 
-    ``tolerant`` accepts what real lines produce and lists it in the result; ``answerable`` accepts items that a
-    station answers with their own return code.
+    ``tolerant`` accepts what real lines produce and lists it in the result.
     """
     seen = examine(data)
     tolerable = TOLERABLE if tolerant else frozenset()
     tolerated = tuple(violation for violation in seen.violations if violation.kind in tolerable)
-    accepted = tolerable | (ANSWERABLE if answerable else frozenset())
-    left = [violation for violation in seen.violations if violation.kind not in accepted]
+    left = [violation for violation in seen.violations if violation.kind not in tolerable]
     if left or seen.frame is None or (isinstance(seen.frame, VariableFrame) and seen.pdu is None):
         raise PpiError(left)
     return WireTelegram(seen.frame, seen.pdu, tolerated)

@@ -20,9 +20,9 @@ _FIRMWARE = {0x0D: 0x36, 0x36: 0x0D}
 NOT_SUPPORTED = bytes.fromhex("44010021")
 
 
-def error_matrix(errand: Errand, numbers: Iterable[int] | None = None) -> Iterator[EngineScenario]:
+def error_matrix(errand: Errand) -> Iterator[EngineScenario]:
     """Every error number at every position with one and two error words."""
-    for number in known_numbers() if numbers is None else numbers:
+    for number in known_numbers():
         for telegram, letter in enumerate(errand.letters, 1):
             for position in range(1, len(letter.parts) + 1):
                 for words in (1, 2):

@@ -108,13 +108,13 @@ class JobField:
         """Status words of jobs."""
         return {number: self.job(number).signals()[3] for number in numbers}
 
-    def until_end(self, numbers: Iterable[int], milliseconds: int = 10, most: int = 30_000) -> dict[int, int]:
+    def until_end(self, numbers: Iterable[int], most: int = 30_000) -> dict[int, int]:
         """Scan until all of these jobs have ended; their status words. Raises ScenarioError if one has not in time."""
         ended: dict[int, int] = {}
         waiting = set(numbers)
         began = self.cpu.clock
         while waiting:
-            self.step(milliseconds)
+            self.step()
             for number in list(waiting):
                 busy, done, error, status = self.job(number).signals()
                 if not busy and (done or error or not self.job(number).db.flag("execute")):

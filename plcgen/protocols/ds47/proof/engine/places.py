@@ -46,9 +46,9 @@ def _three(field: JobField) -> None:
         field.give(number, errand)
 
 
-def restless(field: JobField, served: dict[int, int], numbers: tuple[int, ...] = JOBS) -> None:
+def restless(field: JobField, served: dict[int, int]) -> None:
     """Jobs that have ended well are started again."""
-    for number in numbers:
+    for number in JOBS:
         job = field.job(number)
         busy, done, error, status = job.signals()
         if error:
