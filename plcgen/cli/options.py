@@ -218,7 +218,9 @@ class _FormatOption(click.Option):
 
 def tia_option(what: str) -> Callable[[Callback], Callback]:
     """Add ``--tia``, the version of the TIA Portal that documents are for; the parameter is called ``version``."""
-    versions = ("V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21")
+    from plcgen.simaticml.versions import VERSIONS
+
+    versions = tuple(VERSIONS)
     return click.option(
         "--tia",
         "version",

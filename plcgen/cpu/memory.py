@@ -19,7 +19,7 @@ from plcgen.cpu.type_rules import SIGNED_WIDTHS, WIDTHS
 Reference = tuple["Memory | None", int, int]
 """What ANY, VARIANT and a structured parameter mean at run time: memory, first byte, bytes; None: no such DB."""
 
-AREA_DB, AREA_I, AREA_Q, AREA_M, AREA_P, AREA_L = "DB", "I", "Q", "M", "P", "L"
+AREA_L = "L"
 
 
 class Memory(bytearray):

@@ -69,5 +69,3 @@ VERSIONS = MappingProxyType(
     }
 )
 """By the text of ``Engineering@version``. V13 and V14 know no StructuredText: text sources only."""
-
-OLDEST, NEWEST = "V14 SP1", "V21"
