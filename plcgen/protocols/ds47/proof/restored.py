@@ -23,8 +23,8 @@ NOT_SAVED = WORDS["NOT_SAVED"]
 OLD, WRITE, BACK, NOW, RETURN, CHECK = range(1, 7)
 """Its telegrams; in one that saves NOW is the one that tells the drive to, if all values are right."""
 _SHAPES = {OLD: 0, WRITE: 1, BACK: 2, NOW: 2, RETURN: 1, CHECK: 2}
-GOOD, BAD = 0x40, 0x44
-"""Blocks of an answer to a change: nothing to say, an error."""
+BAD = 0x44
+"""The block of an answer to a change that tells of an error."""
 
 
 class Restoration:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from plcgen.cpu.cpu import Misuse
 from plcgen.cpu.preemption import Plan
 from plcgen.proof.scenario import ScenarioError
-from plcgen.protocols.ds47.proof.engine.errands import READ_SPLIT, WRITE_SPLIT, Errand, Letter, parameter_bytes
+from plcgen.protocols.ds47.proof.engine.errands import READ_SPLIT, WRITE_SPLIT, Errand, parameter_bytes
 from plcgen.protocols.ds47.proof.engine.rig import EngineRig, JobPlace
 from plcgen.protocols.ds47.proof.engine.scenario import PAUSE, RETRIES, TIMEOUT, EngineScenario
 from plcgen.protocols.ds47.proof.engine.sources import DriveEngine
@@ -17,7 +17,6 @@ from plcgen.protocols.ds47.proof.words import DONE, HOLD, state_name
 
 ALL = (GATE, FIRST_CHANNEL, FIRST_CHANNEL + 1, FIRST_CHANNEL + 2, *range(FIRST_JOB, FIRST_JOB + 5))
 """Everything, in the order in which a caller has it."""
-PROPERTY = Errand("first value", (Letter(writes=False, parts=READ_SPLIT.letters[0].parts[:1]),))
 
 
 class JobField:
