@@ -221,6 +221,12 @@ class Plant:
         for job in self.plan.jobs:
             self.execute(job)
 
+    def launch(self, scans: int = 0) -> None:
+        """Other values, and every job started; then so many scans."""
+        self.begin()
+        self.start()
+        self.step(scans)
+
     def until(
         self, wanted: Callable[[DriveJob, int], bool], scans: int, jobs: Sequence[DriveJob] | None = None
     ) -> None:

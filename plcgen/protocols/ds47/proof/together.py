@@ -220,8 +220,7 @@ def _two_obs(plant: Plant) -> None:
     if main is None:
         raise ScenarioError("there is no cyclic OB")
     trio = Trio(plant.plan, plant.program, plant.cpu, plant.plan.shapes[0], 1)
-    plant.begin()
-    plant.start()
+    plant.launch()
     passed = len(plant.cpu.run(main.name, 0, interrupt={}).points)
     waiting = set(plant.plan.jobs)
     for scan in range(plant.patience + trio.patience):
@@ -309,8 +308,7 @@ def _again_and_again(plant: Plant) -> None:
     """Every job is started again as soon as it has ended: each gets its turn, one request at a time."""
     jobs = plant.plan.jobs
     ended = dict.fromkeys((job.key for job in jobs), 0)
-    plant.begin()
-    plant.start()
+    plant.launch()
     pace = Pace(plant.cpu, plant.units.values())
     for _ in range(plant.patience * (ROUNDS + 1)):
         plant.step(1, pace.length())
@@ -364,8 +362,7 @@ def _crowded(plant: Plant) -> None:
     limit = PLACES[plant.cpu.family]
     half = max(1, (limit.total or limit.each or 2) // 2)
     plant.cpu.records.places = RecordPlaces(total=half)
-    plant.begin()
-    plant.start()
+    plant.launch()
     few = len(plant.plan.units) <= 2 * half
     late = frozenset() if few else frozenset(WORDS[name] for name in ("TIMEOUT", "NO_PLACE", "OCCUPIED"))
     longest = max(job.timeout for job in plant.plan.jobs) // 10
@@ -392,9 +389,7 @@ def _then_all_is_well(plant: Plant) -> None:
 
 def _restart(kind: str, scans: int) -> Callable[[Plant], None]:
     def run(plant: Plant) -> None:
-        plant.begin()
-        plant.start()
-        plant.step(scans)
+        plant.launch(scans)
         plant.cpu.restart("cold" if kind == "cold" else "warm")
         _then_all_is_well(plant)
 
@@ -403,9 +398,7 @@ def _restart(kind: str, scans: int) -> Callable[[Plant], None]:
 
 def _away(scans: int) -> Callable[[Plant], None]:
     def run(plant: Plant) -> None:
-        plant.begin()
-        plant.start()
-        plant.step(scans)
+        plant.launch(scans)
         plant.cpu.bus.drives.clear()
         for drive in plant.units.values():
             drive.switch_off()
@@ -420,9 +413,7 @@ def _off(scans: int) -> Callable[[Plant], None]:
     """The requests are lost: built and sent again."""
 
     def run(plant: Plant) -> None:
-        plant.begin()
-        plant.start()
-        plant.step(scans)
+        plant.launch(scans)
         for drive in plant.units.values():
             drive.switch_off()
         longest = max(job.timeout for job in plant.plan.jobs) // 10
@@ -444,9 +435,7 @@ def _not_called(scans: int) -> Callable[[Plant], None]:
     """Time passes, record jobs end, and nobody looks."""
 
     def run(plant: Plant) -> None:
-        plant.begin()
-        plant.start()
-        plant.step(scans)
+        plant.launch(scans)
         plant.cpu.clock += AWAY_MS
         plant.cpu.bus.advance(AWAY_MS)
         for _ in range(ROUNDS):
@@ -473,9 +462,7 @@ def _loaded(names: list[str], scans: int) -> Callable[[Plant], None]:
     """
 
     def run(plant: Plant) -> None:
-        plant.begin()
-        plant.start()
-        plant.step(scans)
+        plant.launch(scans)
         for name in names:
             entry, memory = plant.program.link.find(name), plant.cpu.db(name)
             if entry is None:
