@@ -88,5 +88,5 @@ def _show(
     if text and result.changes:
         out.say(f"intended? write the lock again: plcgen lock --out {result.old}")
     elif text and result.readable:
-        out.say(f"{result.compared} blocks as in {result.old}")
+        out.say(f"{quantity(result.compared, 'block')} as in {result.old}")
     return OK if result.readable and not result.failing(fail_on) else PROBLEMS

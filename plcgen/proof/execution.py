@@ -10,6 +10,7 @@ from typing import Any
 
 from plcgen.cpu.program import Program
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.diagnostics.counting import quantity
 from plcgen.project.nouns import PlannedJob, Project
 from plcgen.project.ownership import is_owned
 from plcgen.proof.checks import Check, Outcome, Trial
@@ -295,7 +296,7 @@ def coverage_check(block: CodeBlock, found: Coverage) -> Check:
     sides = tuple(probe for probe in found.missing if probe.kind in DECIDES.values())
     ran = len(found.missing) - len(sides)
     first = next((probe for probe in found.missing if probe not in sides), found.missing[0])
-    said = [f"{ran} statements or branches were never executed"] if ran else []
+    said = [quantity(ran, "statement or branch was", "statements or branches were") + " never executed"] if ran else []
     if sides:
         said.append(f"an operand never {sides[0].kind} ({len(sides)} such in all)")
     problem = Diagnostic("PG622", f"{block.name}: {', '.join(said)}", Span(first.file, first.line, first.column))

@@ -22,7 +22,7 @@ def test_write_and_check(plcgen, source):
     assert (result.code, result.out, result.err) == (0, "", "wrote plcgen.lock.yaml, 1 block\n")
     assert plcgen("lock").err == "unchanged: plcgen.lock.yaml, 1 block\n"
     result = plcgen("lock", "--check")
-    assert (result.code, result.out, result.err) == (0, "", "1 blocks as in plcgen.lock.yaml\n")
+    assert (result.code, result.out, result.err) == (0, "", "1 block as in plcgen.lock.yaml\n")
     source.write_text(SOURCE.replace("  b :", "  x : Word;\n  b :"), encoding="utf-8")
     result = plcgen("lock", "--check")
     assert result.code == 1

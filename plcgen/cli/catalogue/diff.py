@@ -8,6 +8,7 @@ import click
 
 from plcgen.cli.completed import devices
 from plcgen.cli.options import console, format_option, verb
+from plcgen.diagnostics.counting import quantity
 
 if TYPE_CHECKING:
     from plcgen.output.registry import OutputFormat
@@ -33,6 +34,6 @@ def command(*, old: str, new: str, format_: OutputFormat) -> int:
     header = ("parameter", "fact", "old", "new", "grade")
     rows = [(one.parameter, one.fact, one.old, one.new, one.grade) for one in found]
     lines = text_table(header[:4], [row[:4] for row in rows], indent=0) if rows else []
-    text = "\n".join([*lines, f"{len(rows)} facts differ"]) + "\n"
+    text = "\n".join([*lines, quantity(len(rows), "fact differs", "facts differ")]) + "\n"
     data = {**head("catalogue diff", ok=True), "changes": [dict(zip(header, row, strict=True)) for row in rows]}
     return console().answer(format_, Answer(data, lambda _view: text))

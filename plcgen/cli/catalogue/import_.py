@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.options import PATH, console, device_option, format_option, verb
+from plcgen.diagnostics.counting import quantity
 
 if TYPE_CHECKING:
     from plcgen.display.results import Answer
@@ -67,7 +68,8 @@ def _answer(result: Merged) -> Answer:
     rows = [(one.parameter, one.fact, one.known, one.grade, one.listed) for one in result.changes]
     new = sum(one.fact == NEW for one in result.changes)
     lines = text_table(header, rows, indent=0) if rows else []
-    told = f"{new} new parameters, {len(rows) - new} facts differ or were not read before"
+    others = quantity(len(rows) - new, "fact differs or was not read before", "facts differ or were not read before")
+    told = f"{quantity(new, 'new parameter')}, {others}"
     text = "\n".join([*lines, *result.skipped, "", told]).lstrip("\n") + "\n"
     data = {
         **head("catalogue import", ok=True),
@@ -90,7 +92,7 @@ def _numbers(own: OwnList, found: Inventory, device: str) -> Answer:
         "unknown": ("only in the drive", [str(pnu) for pnu in found.drive]),
         "missing": ("only in the catalogue", [label(one) for one in found.catalogue]),
     }
-    lines = [f"{len(own.lines)} parameters in the drive"]
+    lines = [f"{quantity(len(own.lines), 'parameter')} in the drive"]
     for told, numbers in parts.values():
         lines += ["", f"{told}: {len(numbers)}"]
         lines += [fill(" ".join(numbers), 100, initial_indent="  ", subsequent_indent="  ")] if numbers else []

@@ -9,6 +9,7 @@ import click
 
 from plcgen.cli.arguments import ARGUMENTS
 from plcgen.cli.options import console, device_option, format_option, verb
+from plcgen.diagnostics.counting import quantity
 
 if TYPE_CHECKING:
     from plcgen.diagnostics import Diagnostic
@@ -112,7 +113,7 @@ def _list(device: Device) -> Answer:
     ]
     count = pages.counts(device)
     told = ", ".join(f"{count[grade]} {grade}" for grade in pages.GRADES)
-    text = "\n".join(text_table(header, rows, indent=0)) + f"\n\n{len(found)} parameters; facts: {told}\n"
+    text = "\n".join(text_table(header, rows, indent=0)) + f"\n\n{quantity(len(found), 'parameter')}; facts: {told}\n"
     shown = {
         **head("catalogue", ok=True),
         "facts": {grade: count[grade] for grade in pages.GRADES},

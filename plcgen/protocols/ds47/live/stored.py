@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from plcgen.diagnostics.counting import quantity
 from plcgen.documents.engine import emit
 from plcgen.documents.environment import render_all
 from plcgen.project.nouns import BlockRef, Project
@@ -35,7 +36,7 @@ def compare_stored(project: Project, plan: DrivePlan, reader: Reader) -> Iterato
         yield length
         if data and block.name in recipes:
             differ = sum(one != other for one, other in zip(wanted, data, strict=True))
-            found = f"{differ} bytes differ" if differ else "start values"
+            found = quantity(differ, "byte differs", "bytes differ") if differ else "start values"
             yield LiveRow(name, "records", "start values", found, TOLD if differ else EQUAL)
 
 

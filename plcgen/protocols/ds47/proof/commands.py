@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.diagnostics.counting import quantity
 from plcgen.input.files import read_bounded
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder, table_rows
@@ -77,7 +78,7 @@ def _check_control(name: str, jobs: list[DriveJob], folder: Folder) -> Iterator[
         ]
     except (DiagnosticError, LiteralError) as problem:
         problems = [str(problem)]
-    yield _verdict(name, f"{len(jobs)} jobs", problems, "inputs as in the spec, no job started", folder)
+    yield _verdict(name, quantity(len(jobs), "job"), problems, "inputs as in the spec, no job started", folder)
 
 
 def _verdict(name: str, figures: str, problems: list[str], good: str, folder: Folder) -> Check:
@@ -109,7 +110,7 @@ def check_guide(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
         problem = Diagnostic("PG614", problems[0], Span(str(path)))
         yield Check("guide", "IMPORT.md", "", Outcome.ERROR, problems[0], problem)
     elif wanted:
-        yield Check("guide", "IMPORT.md", f"{len(wanted)} values", Outcome.OK, "lists what is written")
+        yield Check("guide", "IMPORT.md", quantity(len(wanted), "value"), Outcome.OK, "lists what is written")
 
 
 def _said(use: Use, text: str) -> bool:

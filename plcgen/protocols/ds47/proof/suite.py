@@ -8,7 +8,7 @@ from pathlib import Path
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
-from plcgen.diagnostics.counting import shortlist
+from plcgen.diagnostics.counting import quantity, shortlist
 from plcgen.input.text import read_text
 from plcgen.project.nouns import BufferField
 from plcgen.proof.checks import Check, CheckGroup, Outcome
@@ -232,15 +232,15 @@ class DriveSuite:
 
     def together(self, procedures: int) -> Check:
         """All jobs on all drives."""
-        units = len(self.plan.units)
-        text = f"{len(self.plan.jobs)} jobs on {units} units through OB1: {procedures} scenarios"
+        units = quantity(len(self.plan.units), "unit")
+        text = f"{quantity(len(self.plan.jobs), 'job')} on {units} through OB1: {procedures} scenarios"
         return Check("together", "all jobs", text, Outcome.OK, "never two requests at once, every job gets its turn")
 
     def left_out(self) -> Iterator[Check]:
         """Points of time, OBs and masters."""
         missing = left_out_together(self.plan)
         if missing:
-            subject = f"{len(self.plan.jobs)} jobs"
+            subject = quantity(len(self.plan.jobs), "job")
             yield Check("together.rest", subject, "", Outcome.NOT_RUN, f"not run: {'; '.join(missing)}")
 
     def own(self, program: Program, partner: Path) -> Iterator[Check]:

@@ -217,7 +217,7 @@ class PpiSuite:
     def together(self, procedures: int) -> Check:
         """All jobs on all stations."""
         stations = quantity(len(self.master.stations), "station")
-        text = f"{len(self.jobs)} jobs on {stations} through OB1, {ROW} jobs in a row"
+        text = f"{quantity(len(self.jobs), 'job')} on {stations} through OB1, {ROW} jobs in a row"
         name, subject = f"together.{self.master.key}", f"jobs of {self.master.key}"
         return Check(name, subject, text, Outcome.OK, "round robin, one frame at a time, every job gets its turn")
 
