@@ -92,7 +92,7 @@ EQUIVALENT = {
         "2 stands for more: 256 times as much, whatever the next byte is, is more than 3, too"
     ),
     r"^\w+: > -> >=: IF statRest > L#0 THEN statRest :=": "what is left is compared with 0 only: 0 and less are alike",
-    r"^SetRecipe: 0 -> 1: IF statLast = 0 AND statPause < SAVE_INTERVAL THEN tempT.* \(2\)$": (
+    r"^Set(Recipe|Mop): 0 -> 1: IF statLast = 0 AND statPause < SAVE_INTERVAL THEN tempT.* \(2\)$": (
         "what saves is not telegram 1: that one is as well not served as telegram 0"
     ),
     r"^(TakeOut|BringBack|Release|SetUp): > -> >=: ELSIF busy AND statTicket\.ask\.telegram > 0": (
@@ -120,8 +120,11 @@ EQUIVALENT = {
     r"^Set(Limits|Mop): (1 -> 2|2 -> 3|5 -> 6): FOR tempByte := 0 TO [125] DO unit\.telegram\[": (
         "the next byte is written behind it: number of parameters, next address or first value"
     ),
-    r"^Set(Limits|Mop): (2 -> 3|3 -> 4): FOR tempIndex := 1 TO [23] DO \(2\)$": (
+    r"^(SetLimits: 3 -> 4: FOR tempIndex := 1 TO 3 DO \(2\)|SetMop: 3 -> 4: FOR tempIndex := 1 TO 3 DO \([12]\))$": (
         "the channel says of a place behind the last one what stands there already: no answer"
+    ),
+    r"^Set(Limits|Mop): - -> \+: FOR tempByte := 0 TO statSizes\[tempIndex\] - 1 DO unit\.te": (
+        "what is behind a value is written next, or behind the telegram"
     ),
     r"^SetMop: (B#16#04 -> B#16#05: IF rounding|B#16#FA -> B#16#FB: statRequest2)": "bit 0 is always written, as 1",
     r"^CheckAxis: (\+ -> -|\* -> \+|6 -> 7): deviations\[tempOthers\]\.index := .* \(1\)$": (

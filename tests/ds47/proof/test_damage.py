@@ -14,6 +14,7 @@ from mutation.run import notice
 
 READBACK, SAVE, SEQUENCE = "s7-1500_g120_readback", "s7-1500_s120_save", "s7-1500_s210_sequence"
 MESSAGES, RECIPE, RESTORE = "s7-1500_s120_messages", "s7-1200_s120_recipe", "s7-1500_s210_restore"
+TRANSACTION = "s7-1500_s120_bico"
 DAMAGE = {
     # an answer is compared before it is there: wrong only if the job is called more often than its channel
     (READBACK, "SetRamps", "= -> <>: IF #tempTurn.grant", 2): "the job is called twice as often as its channel",
@@ -39,6 +40,8 @@ DAMAGE = {
     (RECIPE, "LoadWinding", "dropped: #tempBits := (#tempSent OR #tempCame)", 3): "rounds by -1 unit in the last place",
     # lost while it writes: that the drive may have other values is not told
     (RESTORE, "SetLimits", "2 -> 3: IF NOT #tempFailed OR", 1): "8105 does not tell that telegram 2 has changed",
+    # status says "not saved", only cause says that the drive has refused it
+    (TRANSACTION, "SetMop", "L#0 -> L#1: #statRest := L#0", 1): "the next start has to wait, but nothing was saved",
     # a single value is written back although the drive runs
     (RESTORE, "SetLimits", "0 -> 1: #statRuns", 1): "parameter 3 alone is taken, the drive runs",
     # the times of a step that waits

@@ -91,8 +91,8 @@ class Asking:
 
     def end(self, status: int) -> None:
         """The job has ended: what the drive has not taken counts for nothing. Raises ScenarioError."""
-        if self.writes and status in NOT_TAKEN and self.rig.job.guarded and self.rig.db.get(REST, signed=True) > 0:
-            raise ScenarioError("the next start has to wait, but nothing was saved")
         cause = self.rig.db.get(CAUSE) if self.rig.job.restores else status
+        if self.writes and cause in NOT_TAKEN and self.rig.job.guarded and self.rig.db.get(REST, signed=True) > 0:
+            raise ScenarioError("the next start has to wait, but nothing was saved")
         if cause in GIVEN_UP and self.taken is not None and self.asked - self.taken < self.poll.limit:
             raise ScenarioError(f"given up after a question {self.asked - self.taken} ms after the answer to the write")
