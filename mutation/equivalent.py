@@ -127,10 +127,12 @@ EQUIVALENT = {
         "what is behind a value is written next, or behind the telegram"
     ),
     r"^SetMop: (B#16#04 -> B#16#05: IF rounding|B#16#FA -> B#16#FB: statRequest2)": "bit 0 is always written, as 1",
-    r"^CheckAxis: (\+ -> -|\* -> \+|6 -> 7): deviations\[tempOthers\]\.index := .* \(1\)$": (
+    r"^CheckAxis: (\* -> \+|6 -> 7): deviations\[tempOthers\]\.index := .* \(1\)$": (
         "no parameter has an index: the bytes are 0"
     ),
-    r"^CheckAxis: (8 -> 9|OR -> AND): deviations\[tempOthers\]\.index :=": "no parameter has an index: the bytes are 0",
+    r"^Check(Axis|Winding): (\+ -> -: deviations.*index := .* \(1\)$|(8 -> 9|OR -> AND): deviations.*index :=)": (
+        "no parameter has an index: the bytes are 0"
+    ),
     r"^SetUp: dropped: (statLimit := L#5000|statInterval := L#500) \(2\)$": (
         "another step that waits comes before it in every run, and has the same times"
     ),
