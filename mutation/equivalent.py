@@ -110,7 +110,7 @@ EQUIVALENT = {
     r"^Set(Limits|Filter|Mop): > -> >=: IF statTicket\.ask\.telegram > 1 AND cause = W#16#0000": (
         "a good telegram 1 is no cause, and if it fails, its status becomes the cause in the same call"
     ),
-    r"^SetFilter: \+ -> -: statReturning := statReturning \+ 1": "of one parameter: it counts only whether it is 0",
+    r"^SetFilter: (\+ -> -|1 -> 2): statReturning := statReturning \+ 1": "of one parameter: only 0 counts",
     r"^Set(Limits|Filter|Mop): (< -> <=|2 -> 3): IF statTicket\.error AND \(cause = ": (
         "with a cause, telegram 2 ends well unless another job takes the slot in the same call: either is why"
     ),
@@ -123,7 +123,7 @@ EQUIVALENT = {
     r"^(SetLimits: 3 -> 4: FOR tempIndex := 1 TO 3 DO \(2\)|SetMop: 3 -> 4: FOR tempIndex := 1 TO 3 DO \([12]\))$": (
         "the channel says of a place behind the last one what stands there already: no answer"
     ),
-    r"^Set(Limits|Mop): - -> \+: FOR tempByte := 0 TO statSizes\[tempIndex\] - 1 DO unit\.te": (
+    r"^SetMop: - -> \+: FOR tempByte := 0 TO statSizes\[tempIndex\] - 1 DO unit\.te": (
         "what is behind a value is written next, or behind the telegram"
     ),
     r"^SetMop: (B#16#04 -> B#16#05: IF rounding|B#16#FA -> B#16#FB: statRequest2)": "bit 0 is always written, as 1",
