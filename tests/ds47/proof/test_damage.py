@@ -39,7 +39,7 @@ DAMAGE = {
     (RECIPE, "CheckWinding", "dropped: #statExecuteOld := #execute", 1): "does not stay while execute is TRUE",
     (RECIPE, "LoadWinding", "dropped: #tempBits := (#tempSent OR #tempCame)", 3): "rounds by -1 unit in the last place",
     # lost while it writes: that the drive may have other values is not told
-    (RESTORE, "SetLimits", "2 -> 3: IF NOT #tempFailed OR", 1): "8105 does not tell that telegram 2 has changed",
+    (RESTORE, "SetLimits", "2 -> 3: IF NOT #tempFailed OR", 1): "8105 does not tell that telegram 2 may have changed",
     # status says "not saved", only cause says that the drive has refused it
     (TRANSACTION, "SetMop", "L#0 -> L#1: #statRest := L#0", 1): "the next start has to wait, but nothing was saved",
     # a single value is written back although the drive runs

@@ -158,7 +158,7 @@ class Restoration:
             raise ScenarioError(f"cause is 16#{cause:04X} with status 16#{status:04X}")
         last = max(self.starts, default=0)
         if not tells and status != DONE and last >= WRITE:
-            raise ScenarioError(f"status 16#{status:04X} does not tell that telegram {last} has changed the drive")
+            raise ScenarioError(f"status 16#{status:04X} does not tell that telegram {last} may have changed the drive")
         if not scenario.checked:
             return
         if self.saves:
