@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from math import inf
 
-from plcgen.diagnostics import Diagnostic, Report
+from plcgen.diagnostics import Diagnostic, Report, Severity
 from plcgen.project.spec import LoadedSpec, SpecPath
+from plcgen.protocols.ds47.device import limit_text
 from plcgen.protocols.ds47.kinds.kind import Awaited, StepItem, WriteItem
 from plcgen.protocols.ds47.plan.nouns import Part, Use
 from plcgen.protocols.ds47.plan.uses import UseResolver
@@ -45,6 +47,7 @@ def _waiting(
         return None
     name = one.item.as_ or f"{use.member}{'' if awaited.bit is None else f'Bit{awaited.bit}'}Step{one.step}"
     use = replace(use, awaited=awaited, member=shorten(name, resolver.longest_name))
+    _limits(use, awaited, one.wanted, place, resolver)
     if awaited.bit is not None:
         return replace(use, data=(int(one.wanted) << awaited.bit).to_bytes(use.format.size))
     unlimited = replace(use.parameter, minimum=None, maximum=None)
@@ -74,6 +77,46 @@ def _why_not(use: Use, awaited: Awaited, wanted: object, loaded: LoadedSpec) -> 
     elif fmt.kind is FormatKind.FLOAT and fmt.size == 8 and loaded.spec.plc.family in {"s7-300", "s7-400"}:
         return f"this CPU has no type for {fmt.name}", "wait for another parameter"
     return None
+
+
+_OPPOSITE = {"=": "<>", "<>": "=", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
+
+
+def _limits(use: Use, awaited: Awaited, wanted: object, place: SpecPath, resolver: UseResolver) -> None:
+    """PG251 if the limits of the parameter decide a condition: it is waited for in vain, or not at all."""
+    parameter = use.parameter
+    value = parameter.values.get(wanted) if isinstance(wanted, str) else wanted
+    if not isinstance(value, bool | int | float):
+        return
+    low = -inf if parameter.minimum is None else parameter.minimum
+    high = inf if parameter.maximum is None else parameter.maximum
+    operator = awaited.operator
+    if awaited.bit is not None:  # the highest bits are 0 in every value that is not negative
+        if low < 0 or high >= 1 << awaited.bit:
+            return
+        low = high = 0
+    shown = f"{use.label}{'' if awaited.bit is None else f'.{awaited.bit}'} {awaited.operator} {wanted}"
+    limits = f"its limits are {limit_text(parameter.minimum)}..{limit_text(parameter.maximum)}"
+    where = (*place, "value")
+    if _never(operator, value, low, high):
+        severity = Severity.WARNING if parameter.access == "r" else Severity.ERROR
+        message = f"{shown} is never true: {limits}"
+        resolver.problem("PG251", message, where, "wait for a value that the parameter can have", severity)
+    elif _never(_OPPOSITE[operator], value, low, high):
+        message = f"{shown} is always true: {limits}"
+        resolver.problem("PG251", message, where, "the step does not wait: leave it out", Severity.WARNING)
+
+
+def _never(operator: str, value: float, low: float, high: float) -> bool:
+    """Whether no number from ``low`` to ``high`` fulfils a comparison."""
+    return {
+        "=": value < low or value > high,
+        "<>": low == high == value,
+        "<": low >= value,
+        "<=": low > value,
+        ">": high <= value,
+        ">=": high < value,
+    }[operator]
 
 
 def divided(packed: Sequence[tuple[Part, ...]], loaded: LoadedSpec, report: Report) -> bool:

@@ -7,7 +7,7 @@ from copy import copy
 from dataclasses import replace
 from typing import Any
 
-from plcgen.diagnostics import Diagnostic, Report
+from plcgen.diagnostics import Diagnostic, Report, Severity
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.protocols.ds47 import guards
@@ -50,9 +50,11 @@ class UseResolver:
         if self._format(parameter, path) is None:
             self.unusable.add(parameter.pnu)
 
-    def problem(self, code: str, message: str, path: SpecPath, help_: str = "") -> None:
-        """Report an error at a place of the spec."""
-        self.report.add(Diagnostic(code, message, self.loaded.span(path), help=help_))
+    def problem(
+        self, code: str, message: str, path: SpecPath, help_: str = "", severity: Severity = Severity.ERROR
+    ) -> None:
+        """Report what is wrong at a place of the spec."""
+        self.report.add(Diagnostic(code, message, self.loaded.span(path), severity, help=help_))
 
     def resolve(self, item: ReadItem | WriteItem, position: int, path: SpecPath, *, write: bool) -> Use | None:
         """Turn one item of a job into a use; None if something about it is wrong."""

@@ -10,6 +10,7 @@ RULES = Rules(
         drives.drive_object,
         drives.without_clock,
         drives.unused_address,
+        drives.divided_device,
         drives.shared_address,
         drives.separate_objects,
         drives.engine_places,

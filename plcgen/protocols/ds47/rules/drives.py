@@ -100,6 +100,29 @@ def engine_places(plan: DrivePlan) -> Iterator[Diagnostic]:
         yield Diagnostic("PG225", message, plan.loaded.key_span(unit.path), help="split the project")
 
 
+def divided_device(plan: DrivePlan) -> Iterator[Diagnostic]:
+    """PG260: one address belongs to two units, which would ask the device at the same time."""
+    first: dict[int, PlannedDrive] = {}
+    key = "address" if plan.target.classic else "hardware_id"
+    for drive in plan.drives:
+        earlier = first.setdefault(drive.id_value, drive)
+        given = node_at(plan, (*drive.path, key))
+        if earlier.unit is drive.unit or given is None:
+            continue
+        if drive.device is not earlier.device:
+            what = f"different devices, {earlier.device.key} and {drive.device.key}"
+            help_ = f"correct the {key} of one of them, or the device"
+        elif drive.record_index != earlier.record_index:
+            what = f"different records, {earlier.record_index:04X}h and {drive.record_index:04X}h"
+            help_ = f"correct the {key} of one of them, or the record_index: a device takes one request at a time"
+        else:
+            what = f'different units, "{earlier.unit.key}" and "{drive.unit.key}"'
+            help_ = f"correct the {key} of one of them, or put both into one unit"
+        message = f'drives "{earlier.key}" and "{drive.key}" have the same {key}, but {what}'
+        notes = (Note("first use", key_or_value(plan, (*earlier.path, key))),)
+        yield Diagnostic("PG260", message, given.span, help=help_, notes=notes)
+
+
 def shared_address(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG221: one drive object has two names."""
     first: dict[tuple[int, int], PlannedDrive] = {}
@@ -107,7 +130,7 @@ def shared_address(plan: DrivePlan) -> Iterator[Diagnostic]:
     for drive in plan.drives:
         earlier = first.setdefault((drive.id_value, drive.drive_object), drive)
         given = node_at(plan, (*drive.path, key))
-        if earlier is drive or given is None:
+        if earlier is drive or earlier.unit is not drive.unit or given is None:
             continue
         yield Diagnostic(
             "PG221",
