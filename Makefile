@@ -7,7 +7,7 @@ READY := $(VENV)/.ready
 unexport PYTHONDONTWRITEBYTECODE
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
-.PHONY: demo test fast coverage lint bench engine mutate deletions examples example-diff docs site pictures lock clean
+.PHONY: demo test fast coverage lint bench engine mutate deletions beliefs examples example-diff docs site pictures lock clean
 
 demo: $(READY)
 	$(BIN)/plcgen demo .demo
@@ -41,6 +41,10 @@ mutate: $(READY)
 
 deletions: $(READY)
 	$(BIN)/python -m mutation --deletions
+
+# Facts of the source, broken one at a time.
+beliefs: $(READY)
+	$(BIN)/python -m mutation.beliefs
 
 # Complete where the folder expected/ exists, else only the manifest with its hashes.
 examples: $(READY)

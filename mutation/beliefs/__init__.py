@@ -1,0 +1,1 @@
+"""Facts of plcgen's own source, broken one at a time: does generate or verify notice? Development only."""

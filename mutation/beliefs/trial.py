@@ -1,0 +1,39 @@
+"""Generate and verify a spec with the plcgen of a folder: ``python trial.py SPEC OUT`` prints how that ended.
+
+It runs on its own in the folder of a damaged copy, so it imports nothing but that copy. The cheap parts come first:
+most breaks show before anything is executed.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+
+REFUSED, NOTICED, GREEN = "refused", "noticed", "green"
+
+
+def trial(spec: str, out: str) -> tuple[str, str]:
+    """How it ended, and the first thing that was said."""
+    from plcgen import api
+
+    made = api.generate(spec, out)
+    if not made.ok:
+        return REFUSED, _first(made.diagnostics)
+    for level in ("none", "quick"):
+        found = api.verify(spec, out, faults=level)
+        if not found.ok:
+            return NOTICED, _first(found.problems)
+    return GREEN, ""
+
+
+def _first(problems: object) -> str:
+    errors = [str(each) for each in problems if each.severity.value == "error"]  # type: ignore[attr-defined]
+    return " ".join(errors[0].split()) if errors else "an error"
+
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(Path.cwd()))
+    os.cpu_count = lambda: 1  # one process for each break: the runner of the breaks uses the cores
+    sys.stdout.write(json.dumps(trial(sys.argv[1], sys.argv[2])) + "\n")
