@@ -136,23 +136,27 @@ class Console:
             self.complain(found.diagnostics, known)
         return PROBLEMS if has_errors(found.diagnostics) else OK
 
-    def verification(self, format_: OutputFormat, result: Verification, output: Path | None = None) -> int:
+    def verification(
+        self, format_: OutputFormat, result: Verification, output: Path | None = None, *, ledger: bool = False
+    ) -> int:
         """Deliver what was verified and return the exit code; ``--quiet`` leaves the troubles of a text."""
         from plcgen.output.verification import troubles
 
         short = self.quiet and format_.name == "text"
         if not (short and result.ok):
-            self.show(format_, "verification", troubles(result) if short else result, output)
+            self.show(format_, "verification", troubles(result) if short else result, output, ledger=ledger)
         return OK if result.ok else PROBLEMS
 
-    def verifications(self, format_: OutputFormat, found: Sequence[Verification], output: Path | None = None) -> int:
+    def verifications(
+        self, format_: OutputFormat, found: Sequence[Verification], output: Path | None = None, *, ledger: bool = False
+    ) -> int:
         """Deliver what was verified of several specs and return the exit code, as :meth:`verification` does for one."""
         from plcgen.output.verification import troubles
 
         short = self.quiet and format_.name == "text"
         shown = [troubles(each) for each in found if not each.ok] if short else found
         if shown:
-            self.show(format_, "verifications", shown, output)
+            self.show(format_, "verifications", shown, output, ledger=ledger)
         return OK if all(each.ok for each in found) else PROBLEMS
 
     def result(self, text: str, output: Path | None = None, *, force: bool = True) -> None:

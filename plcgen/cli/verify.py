@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     help="Merge the results of all shards instead of executing anything.",
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Execute on a Dask cluster, such as tcp://host:8786.")
+@click.option("--ledger", is_flag=True, help="List everything the result rests on, with its source.")
 @strict_option
 @format_option("verification")
 @output_option
@@ -74,6 +75,7 @@ def command(
     shard: str | None,
     merge: tuple[Path, ...],
     scheduler: str | None,
+    ledger: bool,
     strict: bool,
     format_: OutputFormat,
     output: Path | None,
@@ -111,8 +113,8 @@ def command(
             )  # fmt: skip
         found.append(result)
     if len(found) == 1:
-        return out.verification(format_, found[0], output)
-    return out.verifications(format_, found, output)
+        return out.verification(format_, found[0], output, ledger=ledger)
+    return out.verifications(format_, found, output, ledger=ledger)
 
 
 def _cache(given: Path | None) -> Path | None:

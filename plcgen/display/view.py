@@ -24,7 +24,8 @@ class View:
     """Everything a format may ask; each takes what concerns it.
 
     ``width`` in columns; ``lines`` gives excerpts of sources; ``grid`` draws telegrams; ``separator`` stands between
-    the cells of CSV; ``fail_on`` is the class of changes that fails a comparison.
+    the cells of CSV; ``fail_on`` is the class of changes that fails a comparison; ``ledger`` lists all that a
+    verification rests on.
     """
 
     color: bool = False
@@ -35,6 +36,7 @@ class View:
     grid: bool = True
     separator: str = ","
     fail_on: str = "breaking"
+    ledger: bool = False
 
     @property
     def columns(self) -> int:

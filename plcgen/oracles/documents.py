@@ -57,13 +57,15 @@ class DocumentedDevice:
     """A device as documents describe it.
 
     ``drive_object`` is the number that a drive has if nothing else is said, ``drive_objects`` all that the document
-    names (empty: a rule). ``by_size`` as in a telegram.
+    names (empty: a rule). ``by_size`` as in a telegram, None if the document prints no answer. ``records`` are the
+    numbers of parameter records that it prints, by the path to the drive.
     """
 
     source: str
     drive_object: int
     drive_objects: tuple[int, ...]
-    by_size: bool
+    by_size: bool | None
+    records: Mapping[str, int]
     parameters: Mapping[int, DocumentedType]
 
 
@@ -81,7 +83,9 @@ def device(key: str) -> DocumentedDevice | None:
         return None
     types = {int(number): DocumentedType(**said) for number, said in row["parameters"].items()}
     objects = tuple(row["drive_objects"])
-    return DocumentedDevice(row["source"], row["drive_object"], objects, row.get("by_size", False), types)
+    return DocumentedDevice(
+        row["source"], row["drive_object"], objects, row.get("by_size"), row.get("records", {}), types
+    )
 
 
 def _telegram(row: Mapping[str, Any]) -> PublishedTelegram:

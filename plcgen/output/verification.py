@@ -14,9 +14,12 @@ from plcgen.display.view import View
 
 if TYPE_CHECKING:
     from plcgen.proof.checks import Check, CheckGroup, Verification
+    from plcgen.proof.ledger import Assumption
 
 _GAP = 2
 _INDENT = 6
+_SHORT = 10
+"""Lines of the ledger unless all of it is asked for."""
 
 
 def verification_text(verification: Verification, view: View) -> str:
@@ -61,18 +64,41 @@ def _group(group: CheckGroup, view: View) -> list[str]:
 
 
 def _ledger(verification: Verification, view: View) -> list[str]:
-    """What the result rests on: the worst known first, one line an assumption, its source below."""
+    """What the result rests on, the worst known first: all of it with its sources, or the shortest that is honest.
+
+    In short, what nobody looked up has a line each, and the rest a line for each source; ten lines at most.
+    """
     from plcgen.proof.ledger import Grade
 
     if not verification.ledger:
         return []
+    worst = [one for grade in reversed(Grade) for one in verification.ledger if one.grade is grade]
+    column = max(cells(one.value) for one in Grade)
     out = ["", view.paint("Rests on", "bold")]
-    grade = max(cells(one.value) for one in Grade)
-    for worst in reversed(Grade):
-        for one in (one for one in verification.ledger if one.grade is worst):
-            out.append(f"{' ' * _GAP}{pad(one.grade.value, grade)}{' ' * _GAP}{clean(f'{one.subject}: {one.text}')}")
+    if view.ledger:
+        for one in worst:
+            out.append(f"{' ' * _GAP}{pad(one.grade.value, column)}{' ' * _GAP}{clean(f'{one.subject}: {one.text}')}")
             out += [f"{' ' * _INDENT}{line}" for line in wrap(clean(one.source), view.columns - _INDENT)]
+        return out
+    rows: dict[tuple[str, str], list[Assumption]] = {}
+    for one in worst:
+        own = f"{one.subject}: {one.text}" if one.grade is Grade.GENERAL else one.source
+        rows.setdefault((one.grade.value, own), []).append(one)
+    room = view.columns - 2 * _GAP - column
+    for (grade, text), meant in list(rows.items())[: _SHORT - (len(rows) > _SHORT)]:
+        shown = text if grade == Grade.GENERAL else f"{quantity(len(meant), 'assumption')}: {text}"
+        out.append(f"{' ' * _GAP}{pad(grade, column)}{' ' * _GAP}{_cut(clean(shown), room)}")
+    left = sum(len(meant) for meant in list(rows.values())[_SHORT - 1 :])
+    if len(rows) > _SHORT:
+        out.append(f"{' ' * _GAP}and {quantity(left, 'assumption')} more: --ledger lists all, with their sources")
     return out
+
+
+def _cut(text: str, room: int) -> str:
+    """A text in one line."""
+    if cells(text) <= room:
+        return text
+    return f"{wrap(text, room - 3)[0]} .."
 
 
 def _verdict(check: Check) -> str:

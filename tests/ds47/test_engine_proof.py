@@ -21,7 +21,7 @@ from plcgen.protocols.ds47.proof.engine.checks import GROUPS, EngineWork, covera
 from plcgen.protocols.ds47.proof.engine.errands import MATRIX, READ_ONE, READ_SPLIT, WRITE_ONE, WRITE_SPLIT
 from plcgen.protocols.ds47.proof.engine.field import JobField
 from plcgen.protocols.ds47.proof.engine.interrupts import interrupts
-from plcgen.protocols.ds47.proof.engine.known import proven
+from plcgen.protocols.ds47.proof.engine.known import proven, prover_hash
 from plcgen.protocols.ds47.proof.engine.sources import DriveEngine
 from plcgen.protocols.ds47.proof.engine.verdict import FOREIGN, judge
 from plcgen.protocols.ds47.proof.words import TRANSITIONS
@@ -111,12 +111,32 @@ def test_what_counts_for_the_hash(engines: dict[tuple[str, str], DriveEngine]) -
 def test_a_known_engine_is_not_run_here(
     engines: dict[tuple[str, str], DriveEngine], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    engine = engines["t3", "S"]
-    entry = {"release": "9.9.9", "scenarios": 1234}
-    monkeypatch.setattr("plcgen.protocols.ds47.proof.engine.checks.proven", lambda: {engine.hash: entry})
-    (check,) = engine_checks(engine)
-    assert check.outcome is Outcome.NOT_RUN
-    assert check.verdict == f"engine {engine.hash[:12]}: proven with release 9.9.9, not run here"
+    """The report names the engine and its prover by hash, and says whether this copy has that prover."""
+    engine, here = engines["t3", "S"], prover_hash()
+    for prover, whose in ((here, "the one of this copy"), ("f" * 64, f"that of this copy is {here[:12]}")):
+        entry = {"release": "9.9.9", "scenarios": 1234, "prover": prover}
+        known = {engine.hash: entry}
+        monkeypatch.setattr("plcgen.protocols.ds47.proof.engine.checks.proven", lambda known=known: known)
+        (check,) = engine_checks(engine)
+        assert check.outcome is Outcome.NOT_RUN
+        proven_by = check.verdict.removeprefix(f"engine {engine.hash[:12]}: proven with release 9.9.9 by ")
+        assert proven_by in {f"prover {prover[:12]}{sign} {whose}; not run here" for sign in ",;"}
+
+
+def test_the_prover_is_known_by_its_code(tmp_path: Path) -> None:
+    """Every line of the soft CPU, the simulated drive and the scenarios counts; line ends and other rooms do not."""
+    for name in ("cpu/cpu.py", "protocols/ds47/sim/drive.py", "cli/main.py"):
+        (tmp_path / name).parent.mkdir(parents=True)
+        (tmp_path / name).write_bytes(b"one\ntwo\n")
+    first = prover_hash(tmp_path)
+    for name, data, same in (
+        ("cpu/cpu.py", b"one\r\ntwo\r\n", True),
+        ("cli/main.py", b"three\n", True),
+        ("protocols/ds47/sim/drive.py", b"one\nthree\n", False),
+    ):
+        (tmp_path / name).write_bytes(data)
+        prover_hash.cache_clear()
+        assert (prover_hash(tmp_path) == first) is same, name
 
 
 @pytest.mark.slow

@@ -156,6 +156,31 @@ def test_a_diagnostic_that_only_a_check_carries_is_shown():
     assert verification_text(alone, PLAIN) == verification_text(results.VERIFICATION, PLAIN)
 
 
+def test_the_ledger_has_ten_lines_unless_all_is_asked_for():
+    """What nobody looked up comes first, one line each; of the rest a line for each source says how many rest on it."""
+    import dataclasses
+
+    from plcgen.proof.ledger import Assumption, Grade
+
+    ledger = (
+        *(Assumption("axis", f"max {n}", f"list, page {n}", Grade.MANUAL) for n in range(9)),
+        *(Assumption("axis", f"type {n}", "the same list", Grade.SECOND) for n in range(5)),
+        *(Assumption("axis", f"min {n}", "from memory", Grade.GENERAL) for n in range(3)),
+    )
+    verification = dataclasses.replace(results.VERIFICATION, ledger=ledger, diagnostics=())
+    short = verification_text(verification, PLAIN).partition("\nRests on\n")[2].partition("\n\n")[0].splitlines()
+    assert short == [
+        "  general knowledge  axis: min 0",
+        "  general knowledge  axis: min 1",
+        "  general knowledge  axis: min 2",
+        "  second source      5 assumptions: the same list",
+        *(f"  manual             1 assumption: list, page {n}" for n in range(5)),
+        "  and 4 assumptions more: --ledger lists all, with their sources",
+    ]
+    whole = verification_text(verification, View(ledger=True)).partition("\nRests on\n")[2]
+    assert [whole.count(text) for text in ("from memory", "the same list", "list, page 8")] == [3, 5, 1]
+
+
 def test_verification_of_an_unusable_spec():
     """Without a project the spec's name stands in the first line; the errors are counted."""
     from plcgen.proof.checks import Verification

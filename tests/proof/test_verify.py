@@ -63,7 +63,8 @@ def test_the_example_shows_oracles_and_ledger() -> None:
     for subject in (("dcm P50303", "type FloatingPoint"), ("read FloatingPoint", "published telegram")):
         grade, source = ledger[subject]
         assert (grade, "FAQ 109750712 (09/2017), figure" in source) == ("manual", True), subject
-    about = {"records for parameters", "drive objects", "a value is answered in its own type, an error in 2 words",
+    about = {"parameters are reached through record 002Fh (profibus)", "an error is answered with 2 words",
+             "drive object 2 if nothing else is said, of 1, 2, 3, 4, 5, 6", "a value is answered in its own type",
              "a telegram has 240 bytes, 39 parameters, 117 elements"}  # fmt: skip
     assert about <= {text for subject, text in ledger if subject == "sinamics-dcm"}
     assert {"records", "layout"} <= {subject for subject, _ in ledger}

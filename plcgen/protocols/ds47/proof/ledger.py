@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from plcgen.oracles.documents import device
 from plcgen.proof.ledger import Assumption, Grade
@@ -20,7 +20,8 @@ def ledger(plan: DrivePlan) -> Iterator[Assumption]:
     """Devices, telegram forms, parameters, then what all projects have in common."""
     used = [drive for drive in plan.drives if any(job.drive is drive for job in plan.jobs)]
     for known in dict.fromkeys(drive.device.key for drive in used):
-        yield from _device(next(drive.device for drive in used if drive.device.key == known))
+        drives = [drive for drive in used if drive.device.key == known]
+        yield from _device(drives[0].device, drives)
     for drive in used:
         yield from _drive(plan, drive)
     for form in dict.fromkeys(Form.of(job, use) for job in plan.shapes for use in job.uses):
@@ -36,22 +37,37 @@ def ledger(plan: DrivePlan) -> Iterator[Assumption]:
         yield Assumption("records", "A2h to A4h, A7h, B5h, C0h to C6h and A1h of WRREC pass", _RETRIES, Grade.SECOND)
 
 
-def _device(known: Device) -> Iterator[Assumption]:
+def _device(known: Device, drives: Sequence[PlannedDrive]) -> Iterator[Assumption]:
+    """What a profile says of a device; a statement that a document makes too has that document as its source."""
     said = device(known.key)
-    unseen = Grade.SPEC if known.key.endswith((".yaml", ".yml")) else Grade.GENERAL
-    source, grade = (said.source, Grade.MANUAL) if said is not None else (known.source, unseen)
-    numbers = ", ".join(f"{number:04X}h on {name}" for name, number in known.record_index.items())
-    yield Assumption(known.key, f"records for parameters: {numbers}", source, grade)
-    yield Assumption(known.key, f"drive objects: {known.drive_object_rule}", source, grade)
-    profile = unseen if said is None else Grade.SECOND
-    words = "word" if known.error_words == 1 else "words"
-    by_size = "by size (41h to 43h)" if known.answer_format == "size" else "in its own type"
+    own = known.key.endswith((".yaml", ".yml"))
+    profile = Grade.SPEC if own else Grade.GENERAL if said is None else Grade.SECOND
+
+    def stated(text: str, *, documented: bool) -> Assumption:
+        if said is not None and documented:
+            return Assumption(known.key, text, said.source, Grade.MANUAL)
+        return Assumption(known.key, text, known.source, profile)
+
+    for number in dict.fromkeys(drive.record_index for drive in drives):
+        names = [name for name, index in known.record_index.items() if index == number]
+        text = f"parameters are reached through record {number:04X}h ({', '.join(names) or 'as the spec says'})"
+        documented = said is not None and any(said.records.get(name) == number for name in names)
+        yield stated(text, documented=documented)
+    objects = "any" if known.drive_objects is None else ", ".join(map(str, known.drive_objects))
+    printed = said is not None and said.drive_object == known.drive_object
+    printed = printed and said is not None and (not said.drive_objects or said.drive_objects == known.drive_objects)
+    yield stated(f"drive object {known.drive_object} if nothing else is said, of {objects}", documented=printed)
+    by_size = known.answer_format == "size"
+    yield stated(
+        f"a value is answered {'by size (41h to 43h)' if by_size else 'in its own type'}",
+        documented=said is not None and said.by_size is by_size,
+    )
     for text in (
-        f"a value is answered {by_size}, an error in {known.error_words} {words}",
+        f"an error is answered with {known.error_words} {'word' if known.error_words == 1 else 'words'}",
         f"a telegram has {known.record_limit} bytes, {known.max_parameters} parameters, {known.max_elements} elements",
         "elements in a request without an index: {} to read, {} to write".format(*known.scalar_elements),
     ):
-        yield Assumption(known.key, text, known.source, profile)
+        yield stated(text, documented=False)
 
 
 def _drive(plan: DrivePlan, drive: PlannedDrive) -> Iterator[Assumption]:

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, has_errors
+from plcgen.diagnostics.counting import quantity
 from plcgen.oracles import profidrive
 from plcgen.oracles.documents import DocumentedDevice, device
 from plcgen.proof.checks import Check, Outcome
@@ -32,26 +33,43 @@ class _DifferenceError(Exception):
 
 
 def fact_checks(plan: DrivePlan) -> Iterator[Check]:
-    """What the plan takes for granted of its devices, against what documents say."""
+    """What the plan takes for granted of its devices, against what documents say: addresses, then types."""
+    asked: dict[str, list[tuple[PlannedDrive, Use]]] = {}
     for drive in plan.drives:
-        jobs = [job for job in plan.jobs if job.drive is drive]
-        if not jobs:
+        uses = {use.parameter.pnu: use for job in plan.jobs if job.drive is drive for use in job.uses}
+        if not uses:
             continue
+        asked.setdefault(drive.device.key, []).extend((drive, use) for use in uses.values())
         id_, subject = f"facts.{drive.key}", f"{drive.key}: {drive.device.key}"
         said = device(drive.device.key)
         if said is None:
             yield Check(id_, subject, "", Outcome.NOT_RUN, "not run: no second source is known for this device")
-            continue
-        uses = {use.parameter.pnu: use for job in jobs for use in job.uses}
-        wrong = [*_address(plan, drive, said), *_types(plan, drive, said, uses)]
-        known = sum(number in said.parameters for number in uses)
-        text = f"drive object, record, types of {known} of {len(uses)} parameters: {said.source}"
-        if wrong:
-            outcome = Outcome.ERROR if has_errors(wrong) else Outcome.WARNING
-            worst = max(wrong, key=lambda one: one.severity is Severity.ERROR)
-            yield Check(id_, subject, text, outcome, worst.message, worst)
         else:
-            yield Check(id_, subject, text, Outcome.OK, "as documents say")
+            text = f"drive object, record: {said.source}"
+            yield _agreement(id_, subject, text, "as documents say", list(_address(plan, drive, said)))
+    for key, pairs in asked.items():
+        said = device(key)
+        if said is None:
+            continue
+        numbers = {use.parameter.pnu for _, use in pairs}
+        known = sorted(numbers & set(said.parameters))
+        id_, subject = f"types.{key}", f"types: {key}"
+        if not known:
+            verdict = f"not run: no second source was found for the type of {quantity(len(numbers), 'parameter')}"
+            yield Check(id_, subject, "", Outcome.NOT_RUN, verdict)
+            continue
+        verdict = f"{len(known)} of {quantity(len(numbers), 'parameter')} as documents say"
+        text = "; ".join(dict.fromkeys(said.parameters[number].source for number in known))
+        yield _agreement(id_, subject, text, verdict, list(_types(plan, pairs, said)))
+
+
+def _agreement(id_: str, subject: str, text: str, verdict: str, wrong: Sequence[Diagnostic]) -> Check:
+    """A good check with its verdict, or the worst of what documents contradict."""
+    if not wrong:
+        return Check(id_, subject, text, Outcome.OK, verdict)
+    worst = max(wrong, key=lambda one: one.severity is Severity.ERROR)
+    outcome = Outcome.ERROR if has_errors(wrong) else Outcome.WARNING
+    return Check(id_, subject, text, outcome, worst.message, worst)
 
 
 def _address(plan: DrivePlan, drive: PlannedDrive, said: DocumentedDevice) -> Iterator[Diagnostic]:
@@ -67,10 +85,10 @@ def _address(plan: DrivePlan, drive: PlannedDrive, said: DocumentedDevice) -> It
         yield Diagnostic("PG640", message, place)
 
 
-def _types(plan: DrivePlan, drive: PlannedDrive, said: DocumentedDevice, uses: dict[int, Use]) -> Iterator[Diagnostic]:
+def _types(plan: DrivePlan, uses: Sequence[tuple[PlannedDrive, Use]], said: DocumentedDevice) -> Iterator[Diagnostic]:
     """A type of the profile that documents contradict is an error, one of the user's own a warning."""
-    for number, use in uses.items():
-        documented = said.parameters.get(number)
+    for drive, use in uses:
+        documented = said.parameters.get(use.parameter.pnu)
         if documented is None or documented.type == use.format.name:
             continue
         severity = Severity.ERROR if _of_profile(drive, use) else Severity.WARNING
@@ -162,7 +180,7 @@ def _error(answer: bytes) -> tuple[bytes, bytes]:
 def second_drive(plan: DrivePlan, drive: PlannedDrive, first: Drive) -> profidrive.DocumentedDrive:
     """The drive of the documents with the values of the simulated one."""
     said = device(drive.device.key)
-    by_size = said.by_size if said is not None else drive.device.answer_format == "size"
+    by_size = bool(said.by_size) if said is not None else drive.device.answer_format == "size"
     uses = [use for job in plan.jobs if job.drive is drive for use in job.own]
     parameters: dict[int, profidrive.HeldParameter] = {}
     for use in uses:

@@ -17,7 +17,7 @@ from plcgen._version import __version__
 from plcgen.proof.checks import Check
 from plcgen.proof.sharing import Sharing
 from plcgen.protocols.ds47.proof.engine.checks import Effort, prove
-from plcgen.protocols.ds47.proof.engine.known import Proven, write_proven
+from plcgen.protocols.ds47.proof.engine.known import Proven, prover_hash, write_proven
 from plcgen.protocols.ds47.proof.engine.sources import SHORT, DriveEngine
 from plcgen.scl.dialect import Dialect
 from plcgen.sources.generated import MANIFEST, generated_sources
@@ -69,6 +69,7 @@ def main(arguments: list[str] | None = None) -> int:
             slots=sizes.slots,
             channels=sizes.channels,
             release=__version__,
+            prover=prover_hash(),
             scenarios=proof.scenarios,
             runs=proof.runs,
             effort=effort,

@@ -27,7 +27,7 @@ from plcgen.protocols.ds47.proof.engine.errands import MATRIX, READ_PINNED, WRIT
 from plcgen.protocols.ds47.proof.engine.field import JobField
 from plcgen.protocols.ds47.proof.engine.formats import formats
 from plcgen.protocols.ds47.proof.engine.interrupts import interrupts
-from plcgen.protocols.ds47.proof.engine.known import proven
+from plcgen.protocols.ds47.proof.engine.known import proven, prover_hash
 from plcgen.protocols.ds47.proof.engine.mailboxes import mailboxes
 from plcgen.protocols.ds47.proof.engine.places import places
 from plcgen.protocols.ds47.proof.engine.record_faults import cpu_faults, record_faults
@@ -270,7 +270,9 @@ def engine_checks(engine: DriveEngine, *, run: bool = False, share: Sharing | No
     short = engine.hash[:SHORT]
     if known is not None and not run:
         text = f"{known['scenarios']:,} scenarios"
-        verdict = f"engine {short}: proven with release {known['release']}, not run here"
+        by, here = known["prover"][:SHORT], prover_hash()[:SHORT]
+        prover = f"prover {by}, the one of this copy" if by == here else f"prover {by}; that of this copy is {here}"
+        verdict = f"engine {short}: proven with release {known['release']} by {prover}; not run here"
         yield Check("engine", f"engine {short}", text, Outcome.NOT_RUN, verdict)
         return
     try:
