@@ -1,0 +1,85 @@
+"""Which drive: identifier, drive object, data record, unit (docs/spec.md "Drives", "Units"; docs/hardware-id.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from plcgen.oracles.spec.ds47.parameters import StatedCatalogue
+from plcgen.oracles.spec.ds47.statement import StatedDrive
+from plcgen.oracles.spec.ds47.times import milliseconds
+from plcgen.oracles.spec.place import Keys, NotStatedError, SpecSource
+
+RECORDS = {"profibus": 47, "profinet-local": 0xB02E, "profinet-global": 0xB02F}
+"""S120 Function Manual Communication 12/2018, section 3.4."""
+LOCAL = 0xB02E
+CLASSIC = frozenset({"s7-300", "s7-400"})
+WAIT_MS = 60_000
+
+
+@dataclass(frozen=True, slots=True)
+class KnownDrive:
+    """A drive with what is known of its device."""
+
+    stated: StatedDrive
+    catalogue: StatedCatalogue
+    profile: Mapping[str, Any]
+
+    def elements(self, *, write: bool) -> int:
+        """Number of elements in a request for a parameter without an index."""
+        found: int = (self.profile.get("scalar_elements") or {}).get("write" if write else "read", 1)
+        return found
+
+
+def known_drives(source: SpecSource) -> dict[str, KnownDrive]:
+    """All drives of a spec by their keys."""
+    found = {}
+    for key, entry, settings, unit, way in _entries(source.data):
+        name = str(settings.get("device"))
+        if name not in source.profiles:
+            raise NotStatedError(f"there is no profile {name}")
+        profile = source.profiles[name]
+        identifier, output = _identifier(source.data["plc"], entry)
+        record = _record(settings.get("record_index"), profile)
+        asked = entry.get("drive_object")
+        stated = StatedDrive(
+            key=key,
+            place=source.place(way),
+            identifier=identifier,
+            output=output,
+            drive_object=int(profile["drive_object"]["default"] if asked is None else asked),
+            record=record,
+            unit=unit or f"{identifier}",
+            wait_ms=milliseconds(settings.get("wait"), WAIT_MS),
+            by_size=(profile.get("answers") or {}).get("format") == "size",
+            local=record == LOCAL,
+        )
+        found[key] = KnownDrive(stated, StatedCatalogue(name, source.profiles, entry.get("parameters") or {}), profile)
+    return found
+
+
+def _entries(spec: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any], Mapping[str, Any], str, Keys]]:
+    """Key, own settings, settings of its device, unit (empty: told by the identifier), way."""
+    for key, entry in (spec.get("drives") or {}).items():
+        yield str(key), entry, entry, "", ("drives", key)
+    for unit, of_unit in (spec.get("units") or {}).items():
+        for key, entry in of_unit["drives"].items():
+            yield str(key), entry or {}, of_unit, f"unit {unit}", ("units", unit, "drives", key)
+
+
+def _identifier(plc: Mapping[str, Any], entry: Mapping[str, Any]) -> tuple[int | str, bool]:
+    """What addresses the drive; on S7-300/400 bit 15 is set for a module with outputs only."""
+    if plc["family"] in CLASSIC:
+        return int(entry["address"]), bool(entry.get("output_address"))
+    given = entry["hardware_id"]
+    return (given if isinstance(given, str) else int(given)), False
+
+
+def _record(asked: Any, profile: Mapping[str, Any]) -> int:
+    numbers = {name: number for name, number in profile["record_index"].items() if name != "default"}
+    if asked is None:
+        return int(numbers[profile["record_index"]["default"]])
+    if isinstance(asked, str):
+        return int(numbers.get(asked, RECORDS[asked]))
+    return int(asked)

@@ -1,0 +1,110 @@
+"""Parameters as a spec writes them, and what spec and device profile say of them (docs/spec.md, docs/devices.md)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from plcgen.oracles.spec.ds47.types import SHORT
+from plcgen.oracles.spec.place import NotStatedError
+
+_WRITTEN = re.compile(
+    r"(?P<name>[A-Za-z_]\w*)(?:\[\s*(?P<first>\d+)\s*(?:\.\.\s*(?P<last>\d+)\s*)?\])?(?:\.(?P<bit>\d+))?"
+)
+_NUMBER = re.compile(r"[PpRr]0*(\d+)")
+NEVER_INHERITED = frozenset({"min", "max", "default", "values", "array"})
+"""Facts that count only if somebody read them; from a device that this one is ``like`` they are inferred."""
+NUMBER_FACTS = frozenset({"type", "title", "unit", "access", "name", "bico"})
+Facts = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenParameter:
+    """``P2155[1..2]``, ``r722.3``, ``ramp_up_time``: number and indexes; ``facts`` is what is known."""
+
+    text: str
+    number: int
+    first: int
+    count: int
+    indexed: bool
+    bit: int | None
+    facts: Facts = field(hash=False)
+
+    @property
+    def name(self) -> str:
+        """In snake_case, for members and inputs."""
+        return str(self.facts.get("name") or f"p{self.number}")
+
+    @property
+    def type(self) -> str:
+        """Type on the wire."""
+        found = str(self.facts.get("type", "unknown"))
+        if found == "unknown":
+            raise NotStatedError(f"nobody says which type {self.text} has")
+        return SHORT.get(found, found)
+
+    @property
+    def bico(self) -> bool:
+        """Whether its value is a source."""
+        return bool(self.facts.get("bico"))
+
+
+class StatedCatalogue:
+    """What is known of the parameters of one drive: its profile, those it is ``like``, and the spec."""
+
+    def __init__(self, device: str, profiles: Mapping[str, Mapping[str, Any]], own: Mapping[str, Any]) -> None:
+        self.numbers: dict[int, dict[str, Any]] = {}
+        for step, profile in reversed(list(enumerate(_chain(device, profiles)))):
+            for key, facts in (profile.get("parameters") or {}).items():
+                known = self.numbers.setdefault(_number(str(key)), {})
+                known.update(_believed(facts or {}, inherited=step > 0))
+        for key, facts in own.items():
+            number = _number(str(key))
+            known = self.numbers.setdefault(number, {})
+            known.update({name: value for name, value in (facts or {}).items() if value is not None})
+        self.names = {facts["name"]: number for number, facts in self.numbers.items() if facts.get("name")}
+
+    def read(self, text: str) -> WrittenParameter:
+        """A parameter as it is written in a spec."""
+        match = _WRITTEN.fullmatch(text.strip())
+        if match is None:
+            raise NotStatedError(f"{text!r} is no parameter")
+        plain = _NUMBER.fullmatch(match["name"])
+        number = int(plain[1]) if plain else self.names.get(match["name"])
+        if number is None:
+            raise NotStatedError(f"{match['name']} is the name of no parameter")
+        indexed = match["first"] is not None
+        first = int(match["first"] or 0)
+        count = int(match["last"] or first) - first + 1
+        bit = int(match["bit"]) if match["bit"] else None
+        return WrittenParameter(text, number, first, count, indexed, bit, self.numbers.get(number, {}))
+
+
+def _number(key: str) -> int:
+    match = _NUMBER.match(key)
+    if match is None:
+        raise NotStatedError(f"{key!r} is no number of a parameter")
+    return int(match[1])
+
+
+def _chain(device: str, profiles: Mapping[str, Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
+    """The profile, then what it is like."""
+    seen: set[str] = set()
+    name: str | None = device
+    while name is not None and name not in seen:
+        seen.add(name)
+        if name not in profiles:
+            raise NotStatedError(f"there is no profile {name}")
+        yield profiles[name]
+        name = profiles[name].get("like")
+
+
+def _believed(facts: Mapping[str, Any], *, inherited: bool) -> Iterator[tuple[str, Any]]:
+    """Limits, start values, indexes and names of values only where somebody read them for this very device."""
+    grade, grades = str(facts.get("grade", "read")), facts.get("facts") or {}
+    for name, value in facts.items():
+        if name in NEVER_INHERITED and (inherited or grades.get(name, grade) != "read"):
+            continue
+        yield name, value

@@ -1,0 +1,35 @@
+"""Where something stands in a spec, and what is read of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+Keys = tuple[str | int, ...]
+"""The way from the root of a spec to a value: keys of mappings, positions in lists."""
+
+
+@dataclass(frozen=True, slots=True)
+class SpecPlace:
+    """File, line and column, both from 1."""
+
+    file: str
+    line: int
+    column: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class SpecSource:
+    """A spec with its includes and variables resolved: ``data`` is plain, ``place`` says where a value stands.
+
+    ``profiles`` are device profiles as plain mappings, by what a spec calls them, with those that they are ``like``.
+    """
+
+    data: Mapping[str, Any]
+    place: Callable[[Keys], SpecPlace]
+    profiles: Mapping[str, Mapping[str, Any]]
+
+
+class NotStatedError(ValueError):
+    """Nothing here says what the spec demands."""
