@@ -100,7 +100,7 @@ def test_nothing_of_plcgen_is_imported() -> None:
             'j: {drive: axis, sequence: [{write: {P10: 1}}, {until: {r21: "<= 0.5", timeout: 1min, interval: 2s}}]}',
             [
                 "1 writes: P10 (Integer16) = 1",
-                "2 asks: r21 (FloatingPoint) -> p21Step2, every 2000 ms until r21 value <= 0.5",
+                "2 asks: r21 (FloatingPoint) -> actualSpeedStep2, every 2000 ms until r21 value <= 0.5",
             ],
         ),
     ],

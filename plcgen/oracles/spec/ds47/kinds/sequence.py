@@ -39,7 +39,7 @@ def sequence_steps(job: JobReader) -> Iterator[StatedStep]:
 
 
 def _named(access: StatedAccess, number: int, taken: set[str]) -> StatedAccess:
-    name = access.output if access.output not in taken else f"{access.output}StatedStep{number}"
+    name = access.output if access.output not in taken else f"{access.output}Step{number}"
     taken.add(name)
     return replace(access, output=name)
 
@@ -49,7 +49,7 @@ def _supplied(access: StatedAccess, number: int, taken: set[str]) -> StatedAcces
     if not names & taken:
         taken |= names
         return access
-    named = (replace(v, name=f"{v.name}StatedStep{number}") if isinstance(v, FromInput) else v for v in access.values)
+    named = (replace(v, name=f"{v.name}Step{number}") if isinstance(v, FromInput) else v for v in access.values)
     return replace(access, values=tuple(named))
 
 
@@ -63,7 +63,7 @@ def _waiting(job: JobReader, until: Any, number: int) -> StatedStep:
         parameter = job.parameter(item)
         relation, value = _relation(given)
         bit = "" if parameter.bit is None else f"Bit{parameter.bit}"
-        access = job.access(item, parameter, write=False, output=f"{camel(parameter.name)}{bit}StatedStep{number}")
+        access = job.access(item, parameter, write=False, output=f"{camel(parameter.name)}{bit}Step{number}")
         wanted = number_meant(value, parameter, job.drive.profile)
         conditions.append(
             StatedCondition(len(asked), relation, float(wanted) if isinstance(wanted, str) else wanted, parameter.bit)
