@@ -346,6 +346,7 @@ def simulate(
     faults: Sequence[str] = (),
     fault_file: Path | str | None = None,
     drives: Sequence[str] = (),
+    inputs: Path | str | None = None,
     own: Sequence[Path | str] = (),
     progress: Progress | None = None,
 ) -> Trace:
@@ -353,13 +354,14 @@ def simulate(
 
     The arguments are spelled as on the command line: ``sets`` ``MEMBER=VALUE``, ``faults`` ``KIND:KEY=VALUE``,
     ``drives`` ``FILE`` or ``DRIVE=FILE``; ``own`` are SCL files of the user, ``scan_time`` is in ms or a text
-    like ``10ms``.
+    like ``10ms``, ``inputs`` a file with more ``sets``.
     """
     from plcgen.trace.run import RunSettings, Simulation
 
     chosen = Path(fault_file) if fault_file is not None else None
     sources = tuple(Path(path) for path in own)
-    settings = RunSettings(jobs, scans, scan_time, sets, watches, faults, chosen, drives)
+    given = Path(inputs) if inputs is not None else None
+    settings = RunSettings(jobs, scans, scan_time, sets, watches, faults, chosen, drives, given)
     return Simulation(Path(spec), _folder(spec, folder), sources).run(settings, progress)
 
 

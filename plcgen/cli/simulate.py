@@ -34,7 +34,14 @@ _MAX_SCANS = 10_000_000
 )
 @click.option("--scan-time", default="10ms", metavar="TIME", help="Length of a scan.  [default: 10ms]")
 @click.option("--set", "sets", multiple=True, metavar="MEMBER=VALUE[@SCAN]", help="Give a member or tag a value.")
-@click.option("--watch", "watches", multiple=True, metavar="MEMBER", help="Record and show a member or tag.")
+@click.option("--inputs", type=PATH, metavar="FILE", help="Values from a file, one MEMBER=VALUE@SCAN a line.")
+@click.option(
+    "--watch",
+    "watches",
+    multiple=True,
+    metavar="MEMBER",
+    help="Record and show a member or tag; '*' records every member of every data block.",
+)
 @click.option("--fault", "faults", multiple=True, metavar="KIND[:KEY=VALUE,...]", help="Inject a fault at a partner.")
 @click.option("--faults", "fault_file", type=PATH, metavar="FILE", help="Faults from a YAML file.")
 @click.option("--drive", "drives", multiple=True, metavar="[DRIVE=]FILE", help="Drive or station file.")

@@ -116,7 +116,10 @@ def locate(layout: Layout, path: str) -> Entry:
     Raises KeyError with a reason if there is no such member or the index is out of bounds.
     """
     shape = layout.shape
-    entry: Entry | None = None
+    entry: Entry | None = shape.looked_up.get(path)
+    if entry is not None:
+        return entry
+    looked_up = shape.looked_up
     for step in split_path(path):
         if isinstance(step, tuple):
             if entry is None:
@@ -130,6 +133,7 @@ def locate(layout: Layout, path: str) -> Entry:
         shape = entry.shape
     if entry is None:
         raise UnknownPathError("the path is empty")
+    looked_up[path] = entry
     return entry
 
 

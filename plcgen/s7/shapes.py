@@ -10,7 +10,7 @@ import itertools
 import math
 import re
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcgen.diagnostics import Diagnostic, Note, Span
 from plcgen.diagnostics.suggest import did_you_mean
@@ -77,6 +77,8 @@ class Shape:
     strides: tuple[int, ...] = ()
     stride_doubts: frozenset[str] = NO_DOUBTS
     spare: int = 0
+    looked_up: dict[str, Any] = field(default_factory=dict, repr=False)
+    """What ``layout.locate`` has found in this shape, by path: scenarios ask for the same members again and again."""
 
     def places(self) -> Iterator[tuple[str, int]]:
         """Index and offset in bits of every element of an array, the last index counting fastest; else nothing."""

@@ -23,15 +23,20 @@ from plcgen.trace.jobs import JobWatch
 from plcgen.trace.model import BlockCall, CallShape, Contact, Kind, Signal, Step, Trace, Value
 from plcgen.trace.program import load_program
 from plcgen.trace.recorder import Derived, RecordingCpu, Watched, signal
-from plcgen.trace.settings import TimedValue, parse_time, parse_timed_value
-from plcgen.trace.values import full_path, set_member
+from plcgen.trace.settings import TimedValue, parse_time, parse_timed_value, read_inputs
+from plcgen.trace.values import full_path, members, set_member
 
 Progress = Callable[[str, int, int], None]
+EVERYTHING = "*"
+"""``--watch`` for every member of every data block."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunSettings:
-    """What a run is told. ``jobs`` empty: all; ``scans`` None: until every job must have ended; times in ms."""
+    """What a run is told. ``jobs`` empty: all; ``scans`` None: until every job must have ended; times in ms.
+
+    ``inputs`` is a file with more ``sets``; ``*`` among ``watches`` are all members of all data blocks.
+    """
 
     jobs: Sequence[str] = ()
     scans: int | None = None
@@ -41,6 +46,7 @@ class RunSettings:
     faults: Sequence[str] = ()
     fault_file: Path | None = None
     drives: Sequence[str] = ()
+    inputs: Path | None = None
 
 
 class Simulation:
@@ -78,7 +84,8 @@ class Simulation:
         recordings = _recordings(project)
         chosen = _chosen(recordings, settings.jobs, self.spec)
         scan_time = parse_time(str(settings.scan_time))
-        assignments = sorted(map(parse_timed_value, settings.sets), key=lambda item: item.scan)
+        given = settings.sets if settings.inputs is None else (*read_inputs(settings.inputs), *settings.sets)
+        assignments = sorted(map(parse_timed_value, given), key=lambda item: item.scan)
         target = project.target
         bus = Periphery()
         _connect(recordings, chosen, settings, bus)
@@ -213,7 +220,7 @@ class _Run:
                     self.cpu[path] = False
             while pending and pending[0].scan <= number:
                 set_member(self.cpu, pending.pop(0), controls)
-            if number == 1:
+            if number == 1 and self.settings.inputs is None:  # else the file says when a job starts
                 for job in self.jobs:
                     job.begin()
             self.cpu.scan(self.scan_time)
@@ -247,12 +254,16 @@ class _Run:
             text = "the folder was generated from another spec, or by another version: run plcgen generate"
             message = f"a block or member of this spec is missing: {problem.args[0]}"
             raise DiagnosticError([Diagnostic("PG608", message, Span(str(folder)), help=text)]) from None
-        extra = [*(item.path for item in self.assignments), *self.settings.watches]
+        extra = [*(item.path for item in self.assignments), *(w for w in self.settings.watches if w != EVERYTHING)]
         for path in dict.fromkeys(extra):
             option = "--watch" if path in self.settings.watches else "--set"
             full = full_path(self.cpu, path, self.controls, option)
             if f"memory.{path}" not in self.positions:
                 self.add(*signal(self.cpu, "memory", path, full, listed=True))
+        if EVERYTHING in self.settings.watches:
+            for path in members(self.cpu):
+                if f"memory.{path}" not in self.positions:
+                    self.add(*signal(self.cpu, "memory", path, path))
 
     def prepare_jobs(self) -> None:
         """Look up the members of the jobs and what they share. Raises KeyError for one that is not there."""

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.input.options import usage
+from plcgen.input.text import read_text
 from plcgen.input.yaml import YamlNode
 
 _TIME = re.compile(r"([0-9]+(?:\.[0-9]+)?)\s*(ms|s)?", re.ASCII)
@@ -42,6 +45,28 @@ def parse_timed_value(text: str) -> TimedValue:
     if match is None or not match["value"].strip():
         raise usage(f"--set {text}", "a member and its value are needed", "for example DriveJobs.setRamps.execute=TRUE")
     return TimedValue(match["path"].strip(), match["value"].strip(), int(match["scan"] or 1))
+
+
+def read_inputs(path: Path) -> tuple[str, ...]:
+    """The values of a file, one ``MEMBER=VALUE@SCAN`` a line; empty lines and those that begin with # do not count.
+
+    Raises DiagnosticError, at its line for one that is no such value.
+    """
+    found: list[str] = []
+    problems: list[Diagnostic] = []
+    for number, line in enumerate(read_text(path).splitlines(), 1):
+        text = line.strip()
+        if not text or text.startswith("#"):
+            continue
+        try:
+            parse_timed_value(text)
+        except DiagnosticError as problem:
+            place = Span(str(path), number, 1, number, len(line) + 1)
+            problems += (replace(one, span=place) for one in problem.diagnostics)
+        found.append(text)
+    if problems:
+        raise DiagnosticError(problems)
+    return tuple(found)
 
 
 FAULTS_SHAPE = "a list of faults is needed, or a mapping with the key faults"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.diagnostics import DiagnosticError
@@ -46,6 +46,21 @@ def _members(cpu: Cpu, name: str) -> list[str]:
     if entry is None or entry.shape is None:
         return []
     return [e.path for e in layout_block(entry.block, cpu.program.link.types).entries if not e.shape.fields]
+
+
+def members(cpu: Cpu) -> Iterator[str]:
+    """Paths of all members of all data blocks that hold a value or an array, instances included, as the CPU knows them.
+
+    A member without a value of its own (a pointer) is left out.
+    """
+    for entry in [one for one in cpu.program.link.blocks.values() if one.index in cpu.blocks]:
+        for name in _members(cpu, entry.name):
+            path = f'"{entry.name}".{name}'
+            try:
+                cpu[path]
+            except ValueError:
+                continue
+            yield path
 
 
 def set_member(cpu: Cpu, item: TimedValue, controls: Sequence[str]) -> None:

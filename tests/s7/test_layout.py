@@ -210,6 +210,17 @@ def test_structured_in_out_is_a_six_byte_pointer_and_any_ten_bytes():
     assert to_type("ARRAY[1..9] OF INT") == layout.entries[0].member.type
 
 
+def test_a_path_is_looked_up_once():
+    """The second look-up of a path is one of a dictionary; a path that is not there is refused each time."""
+    layout = layout_block(db("b : BYTE", "a : ARRAY[0..9] OF INT"), {})
+    first, before = calls_of(lambda: locate(layout, "a[3]"))
+    again, after = calls_of(lambda: locate(layout, "a[3]"))
+    assert (first.offset, again, after < before / 5) == (16 + 3 * 16, first, True)
+    for _ in range(2):
+        with pytest.raises(KeyError):
+            locate(layout, "a[10]")
+
+
 def test_instance_db_and_udt_db_take_their_types_members():
     types = {
         "FB_A": fb("Fb_A", i=["x : BOOL"], s=["y : INT"]),

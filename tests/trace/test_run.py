@@ -168,6 +168,29 @@ def test_a_drive_file(run: Run, tmp_path: Path) -> None:
     assert run(drives=[str(path), str(path)]).diagnostics[0].code == "PG901"
 
 
+def test_every_member_and_inputs_from_a_file(run: Run, tmp_path: Path) -> None:
+    """The file sets execute in scan 3; of all data blocks every member is recorded, the bytes of the request too."""
+    path = tmp_path / "inputs.txt"
+    path.write_text("# starts late\n\nM50.0=FALSE@1\n  M50.0=TRUE@3\n", "utf-8")
+    trace = run(jobs=["read_ramp_up"], inputs=path, watches=["*"])
+    assert history(trace, "read_ramp_up.state")[:2] == [(3, 9), (4, 1)]
+    paths = {signal.path for signal in trace.signals}
+    assert {'"WR_DataBuffer".Request_Ref', '"RD_DataBuffer".ParameterValue', '"DcmUnit".unit.state'} <= paths
+    assert history(trace, 'memory."RD_DataBuffer".ParameterValue') == [(13, 10.0)]  # RDREC VALID in scan 11 of a job
+    assert run(jobs=["read_ramp_up"], inputs=path, scans=2).jobs[0].ending == "not started"
+
+
+def test_every_line_of_inputs_that_is_none_is_reported(run: Run, tmp_path: Path) -> None:
+    """File, line and column of each; nothing runs."""
+    path = tmp_path / "inputs.txt"
+    path.write_text("M50.0=TRUE\nM50.0\n\n=5@2\n", "utf-8")
+    trace = run(inputs=path)
+    places = [(d.code, d.span.file, d.span.line, d.span.column) for d in trace.diagnostics]
+    assert places == [("PG901", str(path), 2, 1), ("PG901", str(path), 4, 1)]
+    assert trace.scans == 0
+    assert [d.code for d in run(inputs=tmp_path / "none.txt").diagnostics] == ["PG110"]
+
+
 def test_own_blocks_instead_of_the_example(run: Run, own: Path) -> None:
     """The user's OB runs, his WRREC is recorded under its instance, and the changed LEN is reported at its line."""
     trace = run(own=[own], watches=["Sender_DB.step"], scans=4)
