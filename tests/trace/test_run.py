@@ -176,7 +176,7 @@ def test_every_member_and_inputs_from_a_file(run: Run, tmp_path: Path) -> None:
     assert history(trace, "read_ramp_up.state")[:2] == [(3, 9), (4, 1)]
     paths = {signal.path for signal in trace.signals}
     assert {'"WR_DataBuffer".Request_Ref', '"RD_DataBuffer".ParameterValue', '"DcmUnit".unit.state'} <= paths
-    assert history(trace, 'memory."RD_DataBuffer".ParameterValue') == [(13, 10.0)]  # RDREC VALID in scan 11 of a job
+    assert history(trace, 'memory."RD_DataBuffer".ParameterValue') == [(14, 10.0)]  # CHECK runs in scan 12 of a job
     assert run(jobs=["read_ramp_up"], inputs=path, scans=2).jobs[0].ending == "not started"
 
 
