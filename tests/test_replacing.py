@@ -8,25 +8,73 @@ from pathlib import Path
 
 import pytest
 
-from plcgen.replacing import replace_file
+from plcgen.replacing import ChangedError, replace_file
 
 
-def test_the_old_file_is_there_until_the_new_one_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """If the last step fails, nothing has changed, and nothing is left behind."""
+def left(folder: Path) -> dict[str, bytes]:
+    return {each.name: each.read_bytes() for each in folder.iterdir()}
+
+
+@pytest.mark.parametrize("links", [True, False])
+def test_whatever_fails_the_old_file_is_back(links: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """If the last step fails, with hard links or without, nothing has changed, and nothing is left behind."""
     path = tmp_path / "report.json"
     path.write_bytes(b"old")
+    rename, failed = Path.rename, []
 
-    def fail(_self: Path, _target: Path) -> None:
-        assert path.read_bytes() == b"old"
-        raise PermissionError(13, "in use")
+    def fail(self: Path, target: Path) -> Path:
+        if target == path and not failed:
+            failed.append(self)
+            raise PermissionError(13, "in use")
+        return rename(self, target)
+
+    def no_link(source: Path, target: Path) -> None:
+        raise PermissionError(1 if failed or not links else 13, "not permitted", str(source), None, str(target))
 
     with monkeypatch.context() as patch:
-        patch.setattr(Path, "replace", fail)
+        patch.setattr(os, "link", no_link)
+        patch.setattr(Path, "rename", fail)
         with pytest.raises(PermissionError):
             replace_file(path, b"new")
-    assert {each.name: each.read_bytes() for each in tmp_path.iterdir()} == {"report.json": b"old"}
+    assert left(tmp_path) == {"report.json": b"old"}
     replace_file(path, b"new")
-    assert {each.name: each.read_bytes() for each in tmp_path.iterdir()} == {"report.json": b"new"}
+    assert left(tmp_path) == {"report.json": b"new"}
+
+
+@pytest.mark.parametrize("existed", [True, False])
+def test_an_edit_meanwhile_is_kept(existed: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever saves the file while it is being replaced keeps his words, and the caller is told."""
+    told = set()
+    for moment in range(10):
+        path = tmp_path / str(moment) / "lock.yaml"
+        path.parent.mkdir()
+        if existed:
+            path.write_bytes(b"old")
+        count = 0
+
+        def edit(path: Path = path, moment: int = moment) -> None:
+            nonlocal count
+            if count == moment:
+                with path.open("ab") as out:
+                    out.write(b"by hand")
+            count += 1
+
+        with monkeypatch.context() as patch:
+            for owner, name in ((Path, "rename"), (Path, "unlink"), (os, "link")):
+                real = getattr(owner, name)
+                patch.setattr(owner, name, lambda *a, real=real, **k: (edit(), real(*a, **k))[1])
+            try:
+                replace_file(path, b"new")
+                refused = False
+            except ChangedError:
+                refused = True
+        if count <= moment:
+            break
+        (kept,) = left(path.parent).values()
+        assert b"by hand" in kept
+        assert (b"new" in kept) != refused
+        told.add(refused)
+    assert told == {True, False}
 
 
 def test_a_file_that_may_not_be_written_is_not_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,6 +12,7 @@ import click
 from plcgen._version import __version__
 from plcgen.cli import output
 from plcgen.cli.groups import Sections, VerbGroup
+from plcgen.interrupts import unwinding
 
 SECTIONS: Sections = (
     (
@@ -103,7 +104,8 @@ def run(args: Sequence[str] | None = None) -> int:
         register()
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # saves the search for plugins we do not use
     try:
-        code = cli.main(args=None if args is None else list(args), prog_name="plcgen", standalone_mode=False)
+        with unwinding():
+            code = cli.main(args=None if args is None else list(args), prog_name="plcgen", standalone_mode=False)
     except click.UsageError as problem:
         return _usage(problem)
     except click.ClickException as problem:
@@ -127,7 +129,7 @@ def run(args: Sequence[str] | None = None) -> int:
 
 
 def _system_exit(end: SystemExit) -> int:
-    """Click leaves this way after a broken pipe of its own (help) and after shell completion."""
+    """Click leaves this way after a broken pipe of its own (help) and after shell completion, a signal with its number."""
     output.abandon_stdout()
     return end.code if isinstance(end.code, int) else output.OK
 

@@ -16,7 +16,9 @@ from pathlib import Path
 
 from plcgen.documents.environment import RenderedFile
 from plcgen.documents.manifest import digest
-from plcgen.documents.writing import JOURNAL, compare_folder, recover, write_folder
+from plcgen.documents.staging import recover
+from plcgen.documents.writing import compare_folder, write_folder
+from plcgen.sources.generated import JOURNAL
 
 
 def state(number: int) -> list[RenderedFile]:
