@@ -13,9 +13,20 @@ ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP",
 """Ctrl-C, ``kill``, a terminal that is closed, Ctrl-Break of Windows."""
 
 
+class EndedError(SystemExit):
+    """A signal ended the program: its code is 128 + the number, as shells report it."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(128 + number)
+        self.number = number
+
+    def __str__(self) -> str:
+        return signal.Signals(self.number).name
+
+
 @contextmanager
 def unwinding() -> Iterator[None]:
-    """Let what would end the process at once raise SystemExit instead (128 + the number of the signal).
+    """Let what would end the process at once raise EndedError instead.
 
     What somebody else decided stays: Python's Ctrl-C, a SIGHUP that ``nohup`` lets us ignore.
     """
@@ -52,4 +63,4 @@ def _main_thread() -> bool:
 
 
 def _unwind(number: int, _frame: FrameType | None) -> NoReturn:
-    raise SystemExit(128 + number)
+    raise EndedError(number)

@@ -19,13 +19,6 @@ from plcgen.interrupts import uninterrupted
 DRAFT = ".plcgen-draft-"
 
 
-class ChangedError(OSError):
-    """A file is not what it was when the decision to replace it was made; it was left as it is now."""
-
-    def __init__(self, path: Path) -> None:
-        super().__init__(errno.EEXIST, "it was changed by somebody else meanwhile", str(path))
-
-
 def digest_of(path: Path) -> str | None:
     """SHA-256 of a file as lower-case hexadecimal digits; None if there is no regular file of that name itself."""
     try:
@@ -108,7 +101,7 @@ def replace_file(path: Path, data: bytes, known: str | None = "") -> None:
     None if there is none; empty for what is there at the moment of the call.
 
     Raises:
-        ChangedError: if another file is there by now.
+        FileExistsError: if another file is there by now: it stays.
         OSError: if that is not possible; nothing has changed then.
     """
     target = path.resolve()
@@ -127,12 +120,16 @@ def replace_file(path: Path, data: bytes, known: str | None = "") -> None:
             draft.chmod(mode)
         with uninterrupted():
             if not swap(draft, target, aside, old):
-                raise ChangedError(path)
+                raise _changed(path)
             if old is not None and digest_of(aside) not in {old, None}:  # somebody still had it open
                 take(target, draft, hashlib.sha256(data).hexdigest())
                 put_back(aside, target)
-                raise ChangedError(path)
+                raise _changed(path)
     finally:
         draft.unlink(missing_ok=True)
         if digest_of(aside) == old:
             aside.unlink(missing_ok=True)
+
+
+def _changed(path: Path) -> FileExistsError:
+    return FileExistsError(errno.EEXIST, "it was changed by somebody else meanwhile", str(path))

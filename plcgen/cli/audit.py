@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="FILE|FOLDER...")
 @click.option("--spec", required=True, type=PATH, metavar="FILE", help="Spec that says what is read and written.")
 @format_option("verification")
-@output_option
+@output_option()
 def command(*, paths: tuple[Path, ...], spec: Path, format_: OutputFormat, output: Path | None) -> int:
     """Audit hand-written request and response DBs, PPI telegrams, and the calls that send them.
 

@@ -74,7 +74,7 @@ Subject = tuple[str, Sequence["Diagnostic"]]
 )
 @strict_option
 @format_option("findings")
-@output_option
+@output_option()
 @watch_option(generated=False)
 def command(
     *,

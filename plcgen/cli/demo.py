@@ -11,6 +11,7 @@ from plcgen.api import default_folder
 from plcgen.cli.options import PATH, console, faults_option, verb
 from plcgen.cli.output import OK, PROBLEMS, Console
 from plcgen.proof.effort import Faults
+from plcgen.replacing import replace_file
 
 if TYPE_CHECKING:
     from plcgen.api import GenerateResult
@@ -51,7 +52,7 @@ def _copy(out: Console, folder: Path) -> list[Path]:
         target = folder / source.name
         data = source.read_bytes()
         if not target.exists():
-            target.write_bytes(data)
+            replace_file(target, data, None)
             out.say(f"copied {target}")
         elif target.read_bytes() != data:
             out.say(f"kept {target}: it differs from the shipped one")

@@ -37,7 +37,7 @@ FAIL_ON = ("breaking", "compatible", "any", "never")
 @click.option("--classic", is_flag=True, help="SimaticML documents are for S7-300/400.")
 @click.option("--list-changes", is_flag=True, help="Print all kinds of changes with their classes.")
 @format_option("comparison")
-@output_option
+@output_option()
 def command(
     *,
     paths: tuple[Path, ...],
@@ -60,7 +60,7 @@ def command(
         from plcgen.inspection.compare.text import changes_table
 
         lines = text_table(("id", "class", "change", "because"), changes_table(), indent=0)
-        out.result("\n".join(lines) + "\n", output)
+        out.result("\n".join(lines) + "\n", output, ("# ", ""))
         return OK
     if len(paths) != 2:
         raise click.UsageError("give two versions: OLD and NEW")

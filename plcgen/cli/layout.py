@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import PATH, console, format_option, verb
+from plcgen.cli.options import PATH, console, format_option, output_option, verb
 from plcgen.cli.output import OK, PROBLEMS
 from plcgen.s7.families import FAMILIES
 
@@ -35,10 +35,7 @@ if TYPE_CHECKING:
 )
 @click.option("--grid/--no-grid", default=True, help="Draw requests byte by byte (text).  [default: grid]")
 @click.option("--separator", default=";", metavar="CHARACTER", help="Separator between the cells of csv.  [default: ;]")
-@click.option(
-    "-o", "--out", "--output", "output", type=PATH, metavar="FILE", help="Write the result to FILE instead of stdout."
-)
-@click.option("--force", is_flag=True, help="Overwrite FILE.")
+@output_option("--out")
 def command(
     *,
     paths: tuple[Path, ...],
@@ -47,7 +44,6 @@ def command(
     expand: bool,
     family: Family | None,
     output: Path | None,
-    force: bool,
     grid: bool,
     separator: str,
 ) -> int:
@@ -66,7 +62,7 @@ def command(
     if not format_.complete:
         out.complain(result.diagnostics)
     if result.blocks or format_.complete:
-        out.show(format_, "layout", result, output, force=force, grid=grid, separator=separator)
+        out.show(format_, "layout", result, output, grid=grid, separator=separator)
     elif result.ok:
         nothing = f", {output} is not written" if output is not None else ""
         out.say(f"no data block, type or function block in {' '.join(map(str, paths[:3]))}: no layout{nothing}")

@@ -38,9 +38,8 @@ if TYPE_CHECKING:
 @click.option("--policy", multiple=True, metavar="ID=CLASS|FILE", help="Classify changes differently, as in diff.")
 @click.option("-v", "--verbose", is_flag=True, help="List every moved member.")
 @click.option("--classic", is_flag=True, help="SimaticML documents are for S7-300/400.")
-@click.option("--force", is_flag=True, help="Overwrite a file that is not a lock.")
 @format_option("comparison")
-@output_option
+@output_option()
 def command(
     *,
     paths: tuple[Path, ...],
@@ -50,7 +49,6 @@ def command(
     policy: tuple[str, ...],
     verbose: bool,
     classic: bool,
-    force: bool,
     format_: OutputFormat,
     output: Path | None,
 ) -> int:
@@ -67,7 +65,7 @@ def command(
         return _show(out, result, fail_on, format_, output, verbose=verbose)
     if format_.name != "text" or output is not None:
         raise click.UsageError("--format and --output belong to --check")
-    written = api.lock(*paths, out=path, classic=classic, force=force)
+    written = api.lock(*paths, out=path, classic=classic, force=out.force)
     out.complain(written.diagnostics)
     if not written.ok:
         out.say("nothing was written")

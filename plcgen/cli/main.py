@@ -12,7 +12,7 @@ import click
 from plcgen._version import __version__
 from plcgen.cli import output
 from plcgen.cli.groups import Sections, VerbGroup
-from plcgen.interrupts import unwinding
+from plcgen.interrupts import EndedError, unwinding
 
 SECTIONS: Sections = (
     (
@@ -129,8 +129,10 @@ def run(args: Sequence[str] | None = None) -> int:
 
 
 def _system_exit(end: SystemExit) -> int:
-    """Click leaves this way after a broken pipe of its own (help) and after shell completion, a signal with its number."""
+    """Click leaves this way after a broken pipe of its own (help) and after shell completion, and so does a signal."""
     output.abandon_stdout()
+    if isinstance(end, EndedError):
+        output.error_line(f"ended by {end}")
     return end.code if isinstance(end.code, int) else output.OK
 
 

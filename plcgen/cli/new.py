@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.completed import toolchains
-from plcgen.cli.options import PATH, console, device_option, verb
+from plcgen.cli.options import PATH, console, device_option, force_option, verb
 from plcgen.cli.output import OK
 from plcgen.cli.starter import RECIPES, starter, usable
 from plcgen.s7.families import FAMILIES
@@ -39,8 +39,8 @@ if TYPE_CHECKING:
     type=click.Choice(tuple(RECIPES)),
     help="A job to start with (repeatable).  [default: all that the device is known to have]",
 )
-@click.option("--force", is_flag=True, help="Overwrite an existing file.")
-def command(*, path: Path, device: str, family: str, toolchain: str | None, jobs: tuple[str, ...], force: bool) -> int:
+@force_option("Overwrite an existing file.")
+def command(*, path: Path, device: str, family: str, toolchain: str | None, jobs: tuple[str, ...]) -> int:
     """Write a commented starter spec (job.yaml); PATH - writes to stdout.
 
     It begins with reading actual values, setting ramps and reading the fault buffer.
@@ -57,7 +57,7 @@ def command(*, path: Path, device: str, family: str, toolchain: str | None, jobs
     if path == Path("-"):
         out.result(text)
         return OK
-    out.result(text, path, force=force)
+    out.result(text, path)
     out.say(f"next: plcgen check {path}")
     return OK
 

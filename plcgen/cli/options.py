@@ -43,6 +43,11 @@ def _quiet(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  #
         ctx.ensure_object(Console).quiet = True
 
 
+def _force(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001 - click's signature
+    if value:
+        ctx.ensure_object(Console).force = True
+
+
 def _color(ctx: click.Context, _param: click.Parameter, value: Any) -> None:
     if value:
         ctx.ensure_object(Console).color = value
@@ -110,6 +115,8 @@ class Verb(Examples):
         output = ctx.params.get("output")
         if isinstance(output, Path) and output.is_file() and _is_source(output):
             raise click.UsageError(f"{output} is a spec or a source: write the result elsewhere", ctx)
+        if isinstance(output, Path):
+            ctx.ensure_object(Console).replaceable(output)  # before any work is done
         return super().invoke(ctx)
 
 
@@ -145,12 +152,17 @@ def strict_option(verb: Callback) -> Callback:
     return click.option("--strict", is_flag=True, help="Treat facts for which no document was found as errors.")(verb)
 
 
-def output_option(verb: Callback) -> Callback:
-    """Add ``--output FILE``."""
+def output_option(*more: str) -> Callable[[Callback], Callback]:
+    """Add ``--output FILE``, which may have ``more`` names, and ``--force``, which the console keeps."""
     option = click.option(
-        "-o", "--output", type=PATH, metavar="FILE", help="Write the result to FILE instead of stdout."
+        "-o", *more, "--output", "output", type=PATH, metavar="FILE", help="Write the result to FILE instead of stdout."
     )
-    return option(verb)
+    return lambda verb: option(force_option("Overwrite a FILE that plcgen did not write.")(verb))
+
+
+def force_option(what: str) -> Callable[[Callback], Callback]:
+    """Add ``--force``, which lets the console replace any file."""
+    return click.option("--force", is_flag=True, expose_value=False, callback=_force, help=what)
 
 
 def device_option(

@@ -8,7 +8,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TextIO
 
@@ -33,6 +33,8 @@ FALLBACK_WIDTH = 100
 _WIDEST = 160
 _BAR = 24
 _PROGRESS_PAUSE = 0.08
+MAX_RESULT = 64 * 1024 * 1024
+"""Bytes of an earlier result that is known as one."""
 
 
 class ClosedOutputError(Exception):
@@ -101,6 +103,10 @@ class Console:
 
     quiet: bool = False
     color: ColorMode = "auto"
+    force: bool = False
+    """Whether a result may replace any file."""
+    _written: set[str] = field(default_factory=set, repr=False)
+    """Hashes of the results that this call has put into files."""
 
     def view(self, output: Path | None = None, **looks: Any) -> View:
         """How a result on stdout, or in a file, shall look; ``looks`` are fields of View."""
@@ -118,12 +124,10 @@ class Console:
         kind: str,
         result: Any,
         output: Path | None = None,
-        *,
-        force: bool = True,
         **looks: Any,
     ) -> None:
         """Deliver a result in a format."""
-        self.result(format_.render(kind, result, self.view(output, **looks)), output, force=force)
+        self.result(format_.render(kind, result, self.view(output, **looks)), output, format_.comment)
 
     def answer(
         self, format_: OutputFormat, found: Answer, output: Path | None = None, known: dict[str, str] | None = None
@@ -159,14 +163,17 @@ class Console:
             self.show(format_, "verifications", shown, output, ledger=ledger)
         return OK if all(each.ok for each in found) else PROBLEMS
 
-    def result(self, text: str, output: Path | None = None, *, force: bool = True) -> None:
-        """Deliver a result to stdout, or to a file if one is given (UTF-8, LF); without ``force`` to a new one."""
+    def result(self, text: str, output: Path | None = None, comment: tuple[str, str] | None = None) -> None:
+        """Deliver a result to stdout, or to a file if one is given (UTF-8, LF).
+
+        ``comment`` is what stands around a remark: a file ends with one by which it is known as a result.
+        """
         if output is not None:
-            if output.is_dir():
-                raise OutputError(f"{output} is a folder: name a file")
-            if not force and output.exists():
-                raise OutputError(f"{output} exists: use another name, or --force to overwrite it")
-            _write_file(output, text)
+            if comment is not None:
+                from plcgen.output.seal import sealed
+
+                text = sealed(text, comment)
+            self._write_file(output, text.encode("utf-8", "replace"))
             self.say(f"wrote {output}")
             return
         if sys.stdout is None:
@@ -176,6 +183,52 @@ class Console:
             sys.stdout.flush()
         except (OSError, ValueError) as problem:
             raise _failed(problem) from problem
+
+    def replaceable(self, output: Path) -> str | None:
+        """Hash of the file that a result may replace; None if there is none, empty if it may be any.
+
+        Raises:
+            OutputError: if it is a folder.
+            DiagnosticError: PG501 if it is no result of plcgen, PG502 if somebody changed it since; ``force`` allows
+                both.
+        """
+        if output.is_dir():
+            raise OutputError(f"{output} is a folder: name a file")
+        if not output.exists():
+            return None
+        if self.force or not output.is_file():  # a device or FIFO keeps nothing
+            return ""
+        import hashlib
+
+        from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+        from plcgen.input.files import read_bounded
+        from plcgen.output.seal import has_seal, is_result
+
+        data = read_bounded(output, MAX_RESULT)
+        known = hashlib.sha256(data).hexdigest()
+        if known in self._written or (len(data) <= MAX_RESULT and is_result(data)):
+            return known
+        code, message = "PG501", "the file exists, and plcgen did not write it"
+        if has_seal(data):
+            code, message = "PG502", "the file was changed since plcgen wrote it"
+        help_ = "use another name, or --force to overwrite it"
+        raise DiagnosticError([Diagnostic(code, message, Span(output.as_posix()), help=help_)])
+
+    def _write_file(self, path: Path, data: bytes) -> None:
+        try:
+            known = self.replaceable(path)
+            replace_file(path, data, known)
+        except FileExistsError as problem:
+            from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+
+            message = "the file was changed while plcgen was running: it is kept as it is now"
+            changed = Diagnostic("PG509", message, Span(path.as_posix()), help="look at it, then run plcgen again")
+            raise DiagnosticError([changed]) from problem
+        except OSError as problem:
+            raise OutputError(f"cannot write {path}: {problem.strerror or problem}") from problem
+        import hashlib
+
+        self._written.add(hashlib.sha256(data).hexdigest())
 
     def say(self, text: str) -> None:
         """Tell the person at the terminal something; ``--quiet`` drops it."""
@@ -280,10 +333,3 @@ def abandon_stdout() -> None:
         descriptor = os.open(os.devnull, os.O_WRONLY)
         os.dup2(descriptor, sys.stdout.fileno())
         os.close(descriptor)
-
-
-def _write_file(path: Path, text: str) -> None:
-    try:
-        replace_file(path, text.encode("utf-8", "replace"))
-    except OSError as problem:
-        raise OutputError(f"cannot write {path}: {problem.strerror or problem}") from problem

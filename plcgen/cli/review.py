@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     help="Fault in the second recorded run of every job.  [default: busy:times=2; silence on a PPI line]",
 )
 @format_option("review", default="html")
-@output_option
+@output_option()
 def command(
     *,
     spec: Path,

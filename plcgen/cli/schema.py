@@ -38,7 +38,7 @@ KINDS = (
 )
 @click.option("--devices", is_flag=True, help="List the device profiles instead.")
 @format_option("answer")
-@output_option
+@output_option()
 def command(*, kind: str, profiles: tuple[Path, ...], devices: bool, format_: OutputFormat, output: Path | None) -> int:
     """Print a JSON schema for editors and programs, or the known devices.
 

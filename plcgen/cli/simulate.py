@@ -47,7 +47,7 @@ _MAX_SCANS = 10_000_000
 @click.option("--drive", "drives", multiple=True, metavar="[DRIVE=]FILE", help="Drive or station file.")
 @click.option("--with", "own", type=PATH, multiple=True, metavar="FILE", help="Run this SCL, UDT or DB source too.")
 @format_option("trace")
-@output_option
+@output_option()
 def command(*, spec: Path, folder: Path | None, format_: OutputFormat, output: Path | None, **more: Any) -> int:
     """Run the files in a generated folder in a simulated CPU against simulated drives and stations, scan by scan.
 

@@ -60,7 +60,7 @@ if TYPE_CHECKING:
 @click.option("--ledger", is_flag=True, help="List everything the result rests on, with its source.")
 @strict_option
 @format_option("verification")
-@output_option
+@output_option()
 @watch_option(generated=True)
 def command(
     *,

@@ -34,11 +34,13 @@ GROUP = "plcgen.outputs"
 class OutputFormat:
     """One output format: a pure function for every kind of result that it can show.
 
-    ``complete`` says that the diagnostics stand in its results; otherwise a verb tells them on stderr.
+    ``complete`` says that the diagnostics stand in its results; otherwise a verb tells them on stderr. ``comment`` is
+    what stands around a remark in it: a result in a file ends with one by which it is known; None if there are none.
     """
 
     name: str
     complete: bool = True
+    comment: tuple[str, str] | None = None
     findings: Renderer[Findings] | None = None
     verification: Renderer[Verification] | None = None
     verifications: Renderer[Sequence[Verification]] | None = None
@@ -60,7 +62,7 @@ class OutputFormat:
         return text
 
 
-KINDS = tuple(field.name for field in fields(OutputFormat) if field.name not in {"name", "complete"})
+KINDS = tuple(field.name for field in fields(OutputFormat) if field.name not in {"name", "complete", "comment"})
 
 
 def output_format(name: str) -> OutputFormat | None:

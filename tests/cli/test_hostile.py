@@ -57,14 +57,6 @@ def test_output_is_never_a_source(plcgen, tmp_path, target):
     assert (tmp_path / target).read_bytes() == before
 
 
-def test_output_replaces_a_report(plcgen, tmp_path):
-    """A second run writes the report again."""
-    (tmp_path / "job.yaml").write_text(SPEC)
-    (tmp_path / "report.json").write_text("old")
-    assert plcgen("check", "job.yaml", "--json", "-o", "report.json").code == 0
-    assert (tmp_path / "report.json").read_text() != "old"
-
-
 @pytest.mark.parametrize(
     "args",
     [

@@ -28,13 +28,12 @@ def test_a_missing_type_with_a_number(plcgen, tmp_path):
 
 
 def test_out_never_overwrites_without_force(plcgen, source, tmp_path):
-    """A file that exists stays as it is, exit code 1; --force replaces it."""
-    assert plcgen("layout", source, "--out", "x.txt").code == 0
-    first = (tmp_path / "x.txt").read_bytes()
+    """A file of somebody else stays as it is, exit code 1; --force replaces it."""
+    (tmp_path / "x.txt").write_text("mine")
     refused = plcgen("layout", source, "--format", "html", "--out", "x.txt")
     assert (refused.code, refused.out) == (1, "")
-    assert "x.txt exists" in refused.err
-    assert (tmp_path / "x.txt").read_bytes() == first
+    assert "error[PG501]: the file exists, and plcgen did not write it" in refused.err
+    assert (tmp_path / "x.txt").read_text() == "mine"
     assert plcgen("layout", source, "--format", "html", "--out", "x.txt", "--force").code == 0
     assert (tmp_path / "x.txt").read_bytes().startswith(b"<!DOCTYPE html>")
 

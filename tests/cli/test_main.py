@@ -221,7 +221,7 @@ def test_a_result_that_is_cut_off_is_an_error(tmp_path, unbuffered):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs a shell that limits the size of files")
-@pytest.mark.parametrize("command", ["schema --output", "new --force"])
+@pytest.mark.parametrize("command", ["schema --force --output", "new --force"])
 def test_a_file_that_cannot_be_written_stays_as_it_was(tmp_path, command):
     """A full disk costs nobody the file that was there."""
     (tmp_path / "kept").write_text("mine", "utf-8")

@@ -91,13 +91,42 @@ def test_a_killed_process_leaves_the_old_or_the_new_state(tmp_path: Path, monkey
 
 
 def in_place(path: Path) -> None:
+    path.parent.mkdir(exist_ok=True)
     with path.open("a") as out:
         out.write("by hand")
 
 
 def another_file(path: Path) -> None:
+    path.parent.mkdir(exist_ok=True)
     path.with_name("draft").write_text("by hand")
-    os.rename(path.with_name("draft"), path)
+    os.rename(path.with_name("draft"), path)  # noqa: PTH104 - the operations of Path are watched
+
+
+def written(patch: pytest.MonkeyPatch, folder: Path, number: int, edit: Callable[[], None]) -> tuple[int, list[str]]:
+    """Write ``NEW``; ``edit`` comes before the operation of a number, or with -1 before there is any.
+
+    How many operations it took, and the codes of what was wrong.
+    """
+    done = 0
+
+    def count(_name: str, _path: Path) -> None:
+        nonlocal done
+        done += 1
+        if done == number + 1:
+            edit()
+
+    def slowly() -> Iterator[RenderedFile]:
+        yield from files(NEW)
+        if number == -1:
+            edit()
+
+    with patch.context() as here:
+        before_each_operation(here, count)
+        try:
+            write_folder(slowly(), folder)
+        except DiagnosticError as problem:
+            return done, [d.code for d in problem.diagnostics]
+        return done, []
 
 
 @pytest.mark.parametrize("edit", [in_place, another_file])
@@ -113,31 +142,8 @@ def test_an_edit_at_any_moment_is_kept(
     for number in range(0 if name == "gone" else -1, MOMENTS):  # what is left over is looked for after all else
         folder = tmp_path / str(number)
         write_folder(files(OLD), folder)
-        left = number
-
-        def now() -> None:
-            (folder / name).parent.mkdir(exist_ok=True)
-            edit(folder / name)
-
-        def count(_name: str, _path: Path) -> None:
-            nonlocal left
-            left -= 1
-            if left == -1:
-                now()
-
-        def slowly() -> Iterator[RenderedFile]:
-            yield from files(NEW)
-            if number == -1:
-                now()
-
-        with monkeypatch.context() as patch:
-            before_each_operation(patch, count)
-            try:
-                write_folder(slowly(), folder)
-                codes = []
-            except DiagnosticError as problem:
-                codes = [d.code for d in problem.diagnostics]
-        if left >= 0:
+        done, codes = written(monkeypatch, folder, number, lambda path=folder / name: edit(path))
+        if done <= number:
             break
         after = tree(folder)
         assert "by hand" in after.pop(name, ""), (number, codes, after)
@@ -161,8 +167,8 @@ def test_an_edit_through_an_open_file_is_kept(tmp_path: Path, monkeypatch: pytes
                 editor.write("by hand")
                 editor.close()
 
-        with monkeypatch.context() as patch, pytest.raises(DiagnosticError) as error:
-            before_each_operation(patch, late)
+        before_each_operation(monkeypatch, late)
+        with pytest.raises(DiagnosticError) as error:
             write_folder(files(NEW), tmp_path)
     assert [d.code for d in error.value.diagnostics] == ["PG509"]
     assert tree(tmp_path) == state(OLD) | {"a": "1by hand"}
@@ -206,8 +212,8 @@ def test_a_signal_waits_for_the_end_of_a_change(tmp_path: Path, monkeypatch: pyt
         if path.name == "fresh":
             signal.raise_signal(signal.SIGINT)
 
-    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-        before_each_operation(patch, interrupt)
+    before_each_operation(monkeypatch, interrupt)
+    with pytest.raises(KeyboardInterrupt):
         write_folder(files(NEW), tmp_path)
     assert tree(tmp_path) == state(NEW)
 

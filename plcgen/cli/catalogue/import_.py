@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.cli.options import PATH, console, device_option, format_option, verb
+from plcgen.cli.options import PATH, console, device_option, force_option, format_option, verb
 from plcgen.diagnostics.counting import quantity
 
 if TYPE_CHECKING:
@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 @click.argument("file", type=PATH, metavar="FILE")
 @device_option(required=True)
 @click.option("--profile", type=PATH, metavar="FILE", help="Write a profile with the result, for device: ./FILE.")
-@click.option("--force", is_flag=True, help="Overwrite an existing profile.")
+@force_option("Overwrite an existing profile.")
 @format_option("answer")
-def command(*, file: Path, device: str, profile: Path | None, force: bool, format_: OutputFormat) -> int:
+def command(*, file: Path, device: str, profile: Path | None, format_: OutputFormat) -> int:
     """Show what a parameter list (CSV or XLSX of STARTER, SCOUT or Startdrive) says beyond the catalogue.
 
     The shipped catalogue does not change: --profile writes a profile of your own, in which the facts of the list are
@@ -53,7 +53,7 @@ def command(*, file: Path, device: str, profile: Path | None, force: bool, forma
         raise click.UsageError(f"{profile} is the list itself: write the profile to another file")
     code = out.answer(format_, _answer(result))
     if profile is not None:
-        out.result(merging.profile_text(result.device), profile, force=force)
+        out.result(merging.profile_text(result.device), profile)
         out.say(f"in a spec beside it: device: ./{profile.name}")
     return code
 

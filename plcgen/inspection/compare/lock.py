@@ -14,7 +14,7 @@ from plcgen.inspection.compare.lockread import read_lock
 from plcgen.inspection.compare.model import Comparison
 from plcgen.inspection.compare.policyfile import load_policy
 from plcgen.inspection.compare.run import compare_snapshots, snapshot
-from plcgen.replacing import replace_file
+from plcgen.replacing import digest_of, replace_file
 
 DEFAULT = "plcgen.lock.yaml"
 
@@ -46,14 +46,18 @@ def write_lock(paths: Sequence[Path], path: Path, *, classic: bool = False, forc
         found = tuple(dict.fromkeys(state.diagnostics))
         if has_errors(found):
             return LockResult(path, 0, False, found)  # noqa: FBT003 - see the field's name
+        known = digest_of(path.resolve())
         _check_target(path, force=force)
         text = lock_text(state, _names(chosen, path))
         data = text.encode()
         changed = not path.is_file() or not same_text(path.read_bytes(), data)
         if changed:
-            replace_file(path, data)
+            replace_file(path, data, known)
     except DiagnosticError as problem:
         return LockResult(path, 0, False, problem.diagnostics)  # noqa: FBT003
+    except FileExistsError:
+        message = "the lock was changed while plcgen was running: it is kept as it is now"
+        return LockResult(path, 0, False, (Diagnostic("PG509", message, Span(str(path))),))  # noqa: FBT003
     except OSError as problem:
         message = f"cannot write the lock: {problem.strerror or problem}"
         return LockResult(path, 0, False, (Diagnostic("PG503", message, Span(str(path))),))  # noqa: FBT003

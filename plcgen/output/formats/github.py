@@ -87,5 +87,10 @@ def _verifications(found: Sequence[Verification], view: View) -> str:
 
 
 FORMAT = OutputFormat(
-    name="github", findings=_findings, verification=_verification, verifications=_verifications, comparison=_comparison
+    name="github",
+    comment=("# ", ""),
+    findings=_findings,
+    verification=_verification,
+    verifications=_verifications,
+    comparison=_comparison,
 )

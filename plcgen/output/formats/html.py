@@ -41,4 +41,4 @@ def _review(review: Review, _view: View) -> str:
     return render_text("html/review.html.j2", {**view, "tones": range(TONES), "version": __version__})
 
 
-FORMAT = OutputFormat(name="html", complete=False, layout=_layout, review=_review)
+FORMAT = OutputFormat(name="html", complete=False, comment=("<!-- ", " -->"), layout=_layout, review=_review)

@@ -147,5 +147,10 @@ def _body(check: Check) -> str:
 
 
 FORMAT = OutputFormat(
-    name="junit", findings=_findings, verification=_verification, verifications=_verifications, comparison=_comparison
+    name="junit",
+    comment=("<!-- ", " -->"),
+    findings=_findings,
+    verification=_verification,
+    verifications=_verifications,
+    comparison=_comparison,
 )

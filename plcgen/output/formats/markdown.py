@@ -99,4 +99,6 @@ def _review(review: Review, _view: View) -> str:
     return review_markdown(review)
 
 
-FORMAT = OutputFormat(name="markdown", complete=False, layout=_layout, comparison=_comparison, review=_review)
+FORMAT = OutputFormat(
+    name="markdown", complete=False, comment=("<!-- ", " -->"), layout=_layout, comparison=_comparison, review=_review
+)

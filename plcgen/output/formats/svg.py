@@ -30,4 +30,4 @@ def _layout(result: LayoutResult, _view: View) -> str:
     return render_text("html/layout.svg.j2", {"blocks": blocks, "tones": range(TONES), **size})
 
 
-FORMAT = OutputFormat(name="svg", complete=False, layout=_layout)
+FORMAT = OutputFormat(name="svg", complete=False, comment=("<!-- ", " -->"), layout=_layout)

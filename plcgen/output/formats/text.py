@@ -58,6 +58,7 @@ def _answer(answer: Answer, view: View) -> str:
 
 FORMAT = OutputFormat(
     name="text",
+    comment=("# ", ""),
     complete=False,
     findings=_findings,
     verification=_verification,

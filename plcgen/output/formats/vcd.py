@@ -157,4 +157,4 @@ def _trace(trace: Trace, _view: View) -> str:
     return "\n".join(_Dump(trace).lines()) + "\n"
 
 
-FORMAT = OutputFormat(name="vcd", complete=False, trace=_trace)
+FORMAT = OutputFormat(name="vcd", complete=False, comment=("$comment ", " $end"), trace=_trace)
