@@ -49,8 +49,7 @@ def test_it_is_told_once_and_asked_until_it_follows(generate, target) -> None:
     """Asked at 0 s, 1 s, at the limit 2 s; 2 is not present, of which r0106 says 0."""
     made = generate(SPEC, target)
     plant = Plant(made.plan, made.program).fresh()
-    plant.waiting = []
-    plant.units["axis"].objects[3].parameters[106].comes = ()
+    plant.units["axis"].asked = None
     assert run(plant, "on", 50) == ([WRITE + "1", ASK, ASK], 0, [1, 0, 0])
     assert run(plant, "off", 50) == ([WRITE + "2", ASK, ASK], 0, [0, 0, 0])
     assert run(plant, "on", 1000) == ([WRITE + "1", ASK, ASK, ASK], 0x8510, [0, 2, 106])
@@ -62,8 +61,7 @@ def test_what_it_is_told_comes_from_an_input(generate, target) -> None:
     """1 waits for 1, 0 and 2 for 0, which is what r0106 says of both; 3 is beyond the limit of p0105, error 02h."""
     made = generate(SPEC, target)
     plant = Plant(made.plan, made.program).fresh()
-    plant.waiting = []
-    plant.units["axis"].objects[3].parameters[106].comes = ()
+    plant.units["axis"].asked = None
     for state, active in ((0, 0), (1, 1), (2, 0)):
         assert run(plant, "told", 50, state=state) == ([f"{WRITE}{state}", ASK, ASK], 0, [active, 0, 0])
     assert run(plant, "told", 1000, state=2) == ([WRITE + "2", ASK, ASK, ASK], 0x8510, [1, 2, 106])

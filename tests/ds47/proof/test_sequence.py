@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from ds47.proof.playing import job_of, sent
 
+from plcgen import api
 from plcgen.proof.execution import Work, coverage, run_job
 from plcgen.proof.results import added
 from plcgen.proof.rig import ProgramBench
@@ -44,9 +47,7 @@ def plant(generate, target) -> Plant:
     """A drive object that does nothing on its own, and OB1 with the jobs."""
     made = generate(SPEC, target)
     plant = Plant(made.plan, made.program).fresh()
-    plant.waiting = []
-    for parameter in plant.units["axis"].objects[3].parameters.values():
-        parameter.comes = ()
+    plant.units["axis"].asked = None
     return plant
 
 
@@ -141,3 +142,36 @@ def test_the_proof_holds_of_steps_that_ask_the_same_and_of_one_step_alone(genera
     for block in suite.blocks():
         if block.jobs:
             assert coverage(work.bench.program, block, counts, results).missing == ()
+
+
+WAITS = {
+    "two values of one parameter": (
+        "a: {drive: axis, sequence: [{until: {P2900: 1.0}}, {until: {P2900: 2.0}}, {until: {P2900: 1.0}}]}"
+    ),
+    "both directions": 'a: {drive: axis, sequence: [{until: {P2900: "> 100.0"}}, {until: {P2900: "< 1.0"}}]}',
+    "several bits of one word, and the word": (
+        "a: {drive: axis, sequence: [{until: {r722.0: 1, r722.1: 1, r722.2: 0}}, {until: {r722.0: 0, r722.2: 1}}]}"
+    ),
+    "two jobs wait for opposite values": (
+        "a: {drive: axis, sequence: [{until: {r722.0: 1}}]}\n  b: {drive: axis, sequence: [{until: {r722.0: 0}}]}"
+    ),
+    "one waits for what another reads back": (
+        "a: {drive: axis, write: {P2900: 7.0}, verify: readback, on_error: restore}\n"
+        "  b: {drive: axis, sequence: [{until: {P2900: 12.0, timeout: 4s}}]}"
+    ),
+    "an hour, asked ten times a second": (
+        "a: {drive: axis, timeout: 450ms, sequence: [{until: {r722.0: 1, timeout: 60min, interval: 100ms}}, "
+        "{read: r722}]}"
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("jobs", WAITS.values(), ids=WAITS)
+def test_whatever_is_waited_for_the_proof_holds(jobs: str, tmp_path: Path) -> None:
+    """A value comes for the one that waits for it, whoever reads besides: nothing is wrong with such jobs."""
+    spec = tmp_path / "job.yaml"
+    head = "plc: {name: Plant, family: s7-1500, toolchain: tia-v19}"
+    spec.write_text(f"{head}{SPEC.partition('jobs:')[0].replace('ID', 'hardware_id')}jobs:\n  {jobs}\n", "utf-8")
+    assert api.generate(spec).ok
+    assert [str(problem) for problem in api.verify(spec).problems] == []

@@ -160,7 +160,7 @@ class JobConduct:
                 self.rig.leave()
                 self.taken = run.scenario.taken + MANY_MS
         if run.scenario.still and run.scenario.still == self.course.handed and self.rig.unit.get("state") == HOLD:
-            return STILL_MS
+            return min(STILL_MS, self.rig.job.timeout // 2)
         if run.scenario.meddle and run.scans > 1:
             self.rig.meddle()
         if run.scenario.robbed and run.scenario.robbed == self.course.handed and self.rig.unit.get("state") == DRAIN:

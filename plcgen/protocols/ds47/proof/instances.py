@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 from plcgen.cpu.cpu import Cpu
@@ -30,6 +31,7 @@ from plcgen.protocols.ds47.proof.saved import saving_scans
 from plcgen.protocols.ds47.proof.stepped import overwritten
 from plcgen.protocols.ds47.proof.stimulus import UNITS, own_dbs, pair_fb
 from plcgen.protocols.ds47.proof.words import BUILD, DONE, GRANT
+from plcgen.protocols.ds47.sim.awaited import let_come
 from plcgen.protocols.ds47.sim.behaviour import LOCAL_INDEX
 from plcgen.protocols.ds47.sim.bench import build_unit
 
@@ -76,11 +78,22 @@ class Trio:
         paths = ("unit.state", "unit.telegram", "unit.turn.grant")
         own = self.all[:2], self.all[2:]
         self.units = [(Members(cpu, program, name, paths, "unit."), its) for name, its in zip(UNITS, own, strict=True)]
+        for place, drive in enumerate((near, far) if job.waits else ()):
+            drive.asked = partial(self.let_come, place)
+
+    def let_come(self, number: int) -> None:
+        """A unit is asked: what the instance waits for that holds it is there."""
+        unit, instances = self.units[number]
+        slot = unit.get("turn.grant") // GRANT
+        for one in instances:
+            if one.slot == slot:
+                let_come(one.drive.objects[one.drive_object], self.job, one.db.get("statStep"))
 
     def _instance(self, key: str, slot: int, id_value: int, drive: ScriptedDrive, drive_object: int) -> Instance:
         self.cpu.bus.attach(id_value, drive)
         id_name = "hardwareId" if self.plan.target.t15 else "driveAddress"
         members = [*clocked.inputs(self.job), *(use.member for use in self.job.outputs), *listed.paths(self.job)]
+        members += ["statStep"] if self.job.waits else []
         paths = [f"{key}.{name}" for name in (*SIGNALS, id_name, *members, *recipe_signals(self.job))]
         db = Members(self.cpu, self.program, self.block, paths, f"{key}.")
         values = value_set(self.job, drive, drive_object, "next", f"{self.job.shape} {key}")

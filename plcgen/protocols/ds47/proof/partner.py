@@ -29,7 +29,6 @@ class ScriptedDrive(Drive):
         for item in self.objects.values():
             for pnu, parameter in item.parameters.items():
                 parameter.keeps = scenario.keeps.get(pnu)
-                parameter.coming = 0
         for parameter in self.saving_parameters():
             parameter.clears_after, parameter.saved, parameter.remaining = scenario.saving, (), scenario.remaining
         form = self.own.answer_format if scenario.generic is None else "size" if scenario.generic else "exact"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from itertools import islice, product
 from typing import Any
 
@@ -21,8 +22,9 @@ from plcgen.protocols.ds47.proof.recorded import NUMBER, Records, shared
 from plcgen.protocols.ds47.proof.restored import CAUSE, OUTCOMES
 from plcgen.protocols.ds47.proof.saved import check_held_back, saving_scans
 from plcgen.protocols.ds47.proof.scenario import Contents, DriveScenario
-from plcgen.protocols.ds47.proof.stepped import FAILED, expect_values
+from plcgen.protocols.ds47.proof.stepped import FAILED
 from plcgen.protocols.ds47.proof.words import DONE, GRANT, WORDS
+from plcgen.protocols.ds47.sim.awaited import let_come
 from plcgen.protocols.ds47.sim.bench import build_unit
 
 SIGNALS = ("execute", "busy", "done", "error", "status")
@@ -44,8 +46,9 @@ class Plant:
         self.cpu = cpu or Cpu(program, Periphery(), family=family)
         self.units = {unit.key: self._build(unit) for unit in plan.units}
         self._controls = {caller.number: self._control(caller) for caller in plan.callers}
-        self._guards = {caller.number: self._guard(caller) for caller in plan.callers}
-        self.waiting = [job for job in plan.jobs if job.waits]
+        self._instances = {caller.number: self._instance(caller) for caller in plan.callers}
+        waiting = {job.drive.unit.key: job.drive.unit.db.name for job in plan.jobs if job.waits}
+        self._turns = {key: Members(self.cpu, program, db, ["unit.turn.grant"]) for key, db in waiting.items()}
         self.values: dict[str, ValueSet] = {}
         self.records: dict[str, Records] = {}
         self.forgiven: frozenset[str] = frozenset()
@@ -60,8 +63,9 @@ class Plant:
         members = [f"{job.member}.{name}" for job in self._jobs(caller) for name in self._signals(job)]
         return Members(self.cpu, self.program, caller.control.name, members)
 
-    def _guard(self, caller: DriveCaller) -> Members:
+    def _instance(self, caller: DriveCaller) -> Members:
         members = [f"{job.member}.statRest" for job in self._jobs(caller) if job.guarded]
+        members += [f"{job.member}.statStep" for job in self._jobs(caller) if job.waits]
         return Members(self.cpu, self.program, caller.instance.name, members)
 
     def _jobs(self, caller: DriveCaller) -> list[DriveJob]:
@@ -87,7 +91,10 @@ class Plant:
         for job in self.plan.jobs:
             if job.drive.unit is unit:
                 uses[job.drive.drive_object] += job.own
-        return ScriptedDrive(build_unit(unit.device, uses))
+        drive = ScriptedDrive(build_unit(unit.device, uses))
+        if any(job.waits for job in self.plan.jobs if job.drive.unit is unit):
+            drive.asked = partial(self.let_come, unit)
+        return drive
 
     def fresh(self, name: str = "") -> Plant:
         """Everything as after a download, all drives there; nothing is left of what ran before.
@@ -119,21 +126,19 @@ class Plant:
         """Scans of OB1."""
         for _ in range(count):
             self.scans += 1
-            self.oblige()
             self.cpu.scan(milliseconds, blocks=self.blocks)
             if self.forgiven:
                 self.cpu.misuses[:] = [misuse for misuse in self.cpu.misuses if misuse.code not in self.forgiven]
             if self.cpu.misuses or self.cpu.faulted:
                 raise ScenarioError("misuse")
 
-    def oblige(self) -> None:
-        """What a sequence waits for comes while it holds its unit, whatever others have waited for before."""
-        for job in self.waiting:
-            if self.cpu[f'"{job.drive.unit.db.name}".unit.turn.grant'] // GRANT == job.slot:  # type: ignore[operator]
-                step = self.cpu[f'"{job.caller.instance.name}".{job.member}.statStep']
-                for telegram in job.telegrams:
-                    if telegram.step == step:
-                        expect_values(self.units[job.drive.unit.key], job.drive.drive_object, telegram)
+    def let_come(self, unit: PlannedUnit) -> None:
+        """A unit is asked: what a sequence waits for that holds it is there."""
+        slot = self._turns[unit.key].get("unit.turn.grant") // GRANT
+        for job in self.plan.jobs:
+            if job.waits and job.drive.unit is unit and job.slot == slot:
+                step = self._instances[job.caller.number].get(f"{job.member}.statStep")
+                let_come(self.units[unit.key].objects[job.drive.drive_object], job, step)
 
     def path(self, job: DriveJob, signal: str) -> str:
         """Where OB1 takes or leaves a signal of a job."""
@@ -151,7 +156,7 @@ class Plant:
     def execute(self, job: DriveJob, *, value: bool = True) -> None:
         """Set the command of a job; the last save is long ago."""
         if job.guarded:
-            self._guards[job.caller.number].set(f"{job.member}.statRest", 0)
+            self._instances[job.caller.number].set(f"{job.member}.statRest", 0)
         if job.trigger.execute is not None:
             self.cpu[str(job.trigger.execute)] = value
         else:

@@ -18,6 +18,7 @@ from plcgen.protocols.ds47.proof.scenario import Contents
 from plcgen.protocols.ds47.proof.stepped import FAILED, triggers
 from plcgen.protocols.ds47.proof.stimulus import SLOTS, UNITS, shape_fb
 from plcgen.protocols.ds47.proof.words import BUILD, COUNTERS, STEP_MS
+from plcgen.protocols.ds47.sim.awaited import let_come
 from plcgen.protocols.ds47.sim.bench import build_unit
 from plcgen.protocols.ds47.sim.parameters import Keeps
 from plcgen.protocols.ds47.wire.formats import unpack_values
@@ -71,10 +72,12 @@ class JobRig:
         paths += [f"job.{name}" for name in GUARD] if job.guarded else []
         paths += [f"job.{CLOCK}"] if job.poll is not None or job.waits else []
         paths += [f"job.{name}" for name in FAILED] if job.in_steps else []
+        paths += ["job.statStep"] if job.waits else []
         paths += [f"job.{CAUSE}"] if job.restores else []
         paths += [f"job.{name}" for name in recipe_signals(job)]
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
         self.records = Records(job, self.db, "jobRecords", 1) if job.recipe is not None else None
+        self.drive.asked = self.let_come if job.waits else None
         self.unit = self.unit_of(UNITS[0])
         self.source = Source(program, job.block)
         self.set_number = 0
@@ -96,6 +99,10 @@ class JobRig:
         names += [f"asks[{slot}].telegram" for slot in range(1, SLOTS + 1)]
         names += [f"asks[{slot}].{name}" for slot in (SLOT, OTHER) for name in ("want", "mark")]
         return Members(self.cpu, self.program, name, [f"unit.{name}" for name in names], "unit.")
+
+    def let_come(self) -> None:
+        """The drive is asked: what the job waits for is there."""
+        let_come(self.drive.objects[self.drive_object], self.job, self.db.get("statStep"))
 
     @property
     def saves(self) -> int:

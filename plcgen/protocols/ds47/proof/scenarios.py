@@ -271,7 +271,7 @@ def _record_calls(job: DriveJob) -> Iterator[DriveScenario]:
         telegram=1,
         answered=False,
         again=None,
-        scan=50,
+        scan=min(50, max(10, job.timeout // 40)),
         took=(0, job.timeout + 2 * CALLS_MS),
     )
 

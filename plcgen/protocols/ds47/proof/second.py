@@ -150,8 +150,6 @@ class TwoDrives:
     def drives(self) -> tuple[Drive, profidrive.DocumentedDrive]:
         """The simulated drive of the profile, and the one of the documents with the same values."""
         first = build_drive(self.plan, self.job.drive, distinct=True)
-        for parameter in (one for item in first.objects.values() for one in item.parameters.values()):
-            parameter.comes = ()  # nobody waits for anything here
         return first, second_drive(self.plan, self.job.drive, first)
 
     def _same(self, what: str, request: bytes, first: Drive, second: profidrive.DocumentedDrive) -> None:

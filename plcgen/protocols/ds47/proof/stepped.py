@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Use
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.sim.drive import Drive
 
 TRIGGERS = {15, 970, 971, 972, 973, 974, 976, 977, 3900, 3981}
 """What starts something when it is written, as docs/generated-code.md lists them."""
@@ -35,13 +34,3 @@ def route(job: DriveJob, scenario: DriveScenario) -> list[DriveTelegram]:
         return list(job.telegrams) * scenario.rounds
     questions = scenario.questions if scenario.again is not None else {}
     return [one for one in job.telegrams for _ in range(questions.get(one.number, 1))]
-
-
-def expect_values(drive: Drive, drive_object: int, telegram: DriveTelegram) -> None:
-    """What a telegram waits for comes when it is asked, also if it is sent again or another one has waited before.
-
-    The first value of a parameter comes first: others of the telegram follow in the order in which they are asked.
-    """
-    for part in reversed(telegram.parts):
-        if part.use.awaited is not None:
-            drive.objects[drive_object].parameters[part.use.parameter.pnu].expect(part.use)

@@ -49,11 +49,11 @@ def stepping(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
         for place, part in enumerate(telegram.parts, 1):
             yield from _near(telegram, place, part)
         yield from _late(job, telegram, telegram.awaited)
-        yield from _trouble(telegram, telegram.awaited)
+        yield from _trouble(job, telegram, telegram.awaited)
     late = _all_late(waits)
     yield late
     yield replace(late, name="every step waits, after a download", happens={1: "cold"}, meddle=False, guarded=False)
-    yield from _last_never(waits)
+    yield from _last_never(job, waits)
     yield from _in_a_pause(waits[0], scans)
 
 
@@ -91,7 +91,7 @@ def _late(job: DriveJob, telegram: DriveTelegram, awaited: Awaited) -> Iterator[
     count = max(1, min(LATE, awaited.limit // awaited.interval - 1))
     missing = _missing(telegram, each)
     slack = 10 * TELEGRAM_SCANS * (len(job.telegrams) + count)
-    wide = max(10, min(awaited.limit // 5_000, job.timeout // 100))
+    wide = _wide(job, awaited)
     for end, places in ((-1, tuple(each)), (0, tuple(each[-1:]))):
         where = ", ".join(map(str, places))
         yield DriveScenario(
@@ -114,7 +114,7 @@ def _late(job: DriveJob, telegram: DriveTelegram, awaited: Awaited) -> Iterator[
     )
 
 
-def _trouble(telegram: DriveTelegram, awaited: Awaited) -> Iterator[DriveScenario]:
+def _trouble(job: DriveJob, telegram: DriveTelegram, awaited: Awaited) -> Iterator[DriveScenario]:
     """The second question is refused, or never answered."""
     number = telegram.number
     missing = _missing(telegram, range(1, len(telegram.parts) + 1))
@@ -136,7 +136,7 @@ def _trouble(telegram: DriveTelegram, awaited: Awaited) -> Iterator[DriveScenari
         telegram=number,
         answered=False,
         again=None,
-        scan=50,
+        scan=min(50, max(10, job.timeout // (TELEGRAM_SCANS * len(job.telegrams)))),
         follow=False,
     )
     yield DriveScenario(
@@ -174,7 +174,12 @@ def _all_late(waits: list[DriveTelegram]) -> DriveScenario:
     return DriveScenario(name="every step waits", reads=reads, questions=questions, meddle=True, guarded=True)
 
 
-def _last_never(waits: list[DriveTelegram]) -> Iterator[DriveScenario]:
+def _wide(job: DriveJob, awaited: Awaited) -> int:
+    """Length in ms of the scans of a job that waits as long as it may: it asks less often if they are longer."""
+    return max(10, min(awaited.limit // 5_000, job.timeout // 100))
+
+
+def _last_never(job: DriveJob, waits: list[DriveTelegram]) -> Iterator[DriveScenario]:
     """Every step waits for a while, the last in vain: its time begins with its own first question."""
     last, awaited = waits[-1], waits[-1].awaited
     if len(waits) == 1 or awaited is None:
@@ -182,6 +187,8 @@ def _last_never(waits: list[DriveTelegram]) -> Iterator[DriveScenario]:
     late = _all_late(waits)
     first = last.number + sum(count - 1 for number, count in late.questions.items() if number < last.number)
     missing = _missing(last, range(1, len(last.parts) + 1))
+    wide = _wide(job, awaited)
+    slack = wide * TELEGRAM_SCANS * (len(job.telegrams) + sum(late.questions.values()))
     waited = sum((late.questions[one.number] - 1) * one.awaited.interval for one in waits[:-1] if one.awaited)
     yield DriveScenario(
         name="every step waits, the last one in vain",
@@ -190,7 +197,9 @@ def _last_never(waits: list[DriveTelegram]) -> Iterator[DriveScenario]:
         status=(WORDS["NOT_REACHED"],),
         telegram=last.number,
         missed=last.parts[0].use.parameter.pnu,
-        took=(waited + awaited.limit, waited + awaited.limit + MANY),
+        scan=wide,
+        sharp=0,
+        took=(waited + awaited.limit, waited + awaited.limit + 2 * awaited.interval + STANDSTILL_MS + slack),
         follow=False,
     )
 

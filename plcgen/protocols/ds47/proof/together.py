@@ -246,7 +246,8 @@ def _two_masters(plant: Plant) -> None:
     """Each master has a channel of its own in a device: both CPUs run all jobs at the same time."""
     other = Plant(plant.plan, plant.program)
     for key, unit in plant.units.items():
-        other.units[key] = ScriptedDrive(Drive(unit.own, unit.objects.values()))
+        mirror = ScriptedDrive(Drive(unit.own, unit.objects.values()))
+        other.units[key], mirror.asked = mirror, other.units[key].asked
     other.fresh(plant.name)
     both = (plant, other)
     for one in both:

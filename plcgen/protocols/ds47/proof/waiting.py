@@ -8,6 +8,9 @@ from plcgen.protocols.ds47.proof.block_clock import STANDSTILL_MS, BlockClock
 from plcgen.protocols.ds47.proof.rig import JobRig
 from plcgen.protocols.ds47.proof.words import STEP_MS, WORDS
 
+FIRST, LAST_MS = 8, 20 * STEP_MS
+"""So many questions fall to the millisecond, and those that long in front of the limit."""
+
 
 class Waiting:
     """The questions of one run: the job asks for the unit when the interval behind the last one is over.
@@ -26,6 +29,8 @@ class Waiting:
         """When it was handed over first, and last."""
         self.pausing = 0
         """Calls since the job has given the unit back."""
+        self.questions = 0
+        """Of the step, until now."""
         self.stood = self.still = False
         """Whether the last scan took no time; whether the CPU has stood still."""
 
@@ -65,14 +70,15 @@ class Waiting:
         self.awaited = telegrams[number - 1].awaited if number <= len(telegrams) else None
         self.asked = time
         if not (again or repeated):
-            self.first = time
+            self.first, self.questions = time, 0
+        self.questions += 1
 
     def length(self, usual: int, end: int) -> int:
         """Length of the next scan in ms, if calls fall where times are over.
 
         One falls 1 ms before the next question is due, another one at the same time, one when it is due; but the
         question that falls next to the limit falls ``end`` ms behind it. The CPU stands still once; of that ``STEP_MS``
-        count.
+        count. Of many questions those between the first ones and the last ones are asked whenever it suits.
         """
         if self.awaited is None:
             return usual
@@ -85,6 +91,9 @@ class Waiting:
             self.still = True
             return STANDSTILL_MS
         left = self.asked + self.awaited.interval - self.clock.time
+        ends = self.first + self.awaited.limit - 2 * self.awaited.interval - LAST_MS
+        if self.questions > FIRST and self.clock.time < ends:
+            return STEP_MS
         if left == 1 and not self.stood:
             self.stood = True
             return 0

@@ -7,6 +7,8 @@ from functools import partial
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
+from plcgen.protocols.ds47.sim.awaited import let_come
+from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.wire.errors import error_text
 from plcgen.protocols.ds47.wire.formats import unpack_values
 from plcgen.protocols.ds47.wire.status import explain_status
@@ -71,6 +73,13 @@ class UnitWatch:
         """Key of the job for which an instance of WRREC or RDREC works; None if it belongs to none."""
         unit = self._channels.get(instance.rpartition(".")[0].upper())
         return None if unit is None else self._jobs.get((unit, self.slot(unit)))
+
+    def let_come(self, address: int, partner: Drive) -> None:
+        """The drive at an address is asked: what a job waits for that holds its unit is there."""
+        for job in self._plan.jobs:
+            if job.waits and job.drive.id_value == address and self.holds(job):
+                step = self._cpu[f"{instance_path(job)}.statStep"]
+                let_come(partner.objects[job.drive.drive_object], job, step if isinstance(step, int) else 0)
 
     def state(self, job: DriveJob) -> int:
         """State of a job, see STATE_NAMES."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from plcgen.input.options import usage
 from plcgen.input.text import read_text
@@ -14,23 +15,31 @@ from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.load import load_drive
 
 
-def connect(plan: DrivePlan, files: Sequence[str], faults: FaultPlan) -> dict[int, tuple[str, Drive]]:
-    """Build the drives by address, each with its key: from drive files where given, else from the device profile.
+class Partner(NamedTuple):
+    """The drive at an address: its key, and whether it is that of a drive file."""
+
+    key: str
+    drive: Drive
+    own: bool
+
+
+def connect(plan: DrivePlan, files: Sequence[str], faults: FaultPlan) -> dict[int, Partner]:
+    """Build the drives by address: from drive files where given, else from the device profile.
 
     A file is ``FILE`` (for every drive) or ``DRIVE=FILE``. Drives at one address are drive objects of one unit.
     """
     chosen = _chosen(plan, files)
-    found: dict[int, tuple[str, Drive]] = {}
+    found: dict[int, Partner] = {}
     for drive in plan.drives:
         path = chosen.get(drive.key) or chosen.get("")
         known = found.get(drive.id_value)
         if known is not None:
             if path is None:
-                _merge(known[1], build_drive(plan, drive))
+                _merge(known.drive, build_drive(plan, drive))
             continue
         unit = build_drive(plan, drive) if path is None else load_drive(read_text(path), str(path))
         unit.faults += faults.of(*_sharing(plan, drive))
-        found[drive.id_value] = drive.key, unit
+        found[drive.id_value] = Partner(drive.key, unit, path is not None)
     return found
 
 

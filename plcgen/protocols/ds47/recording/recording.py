@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 
 from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.record import RecordJob
@@ -12,7 +13,7 @@ from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.recording.exchange import contact_text
 from plcgen.protocols.ds47.recording.faults import plan_faults
 from plcgen.protocols.ds47.recording.jobs import DriveJobWatch, UnitWatch
-from plcgen.protocols.ds47.recording.partners import connect
+from plcgen.protocols.ds47.recording.partners import Partner, connect
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import FaultKind
 from plcgen.protocols.ds47.texts import dissect_telegram
@@ -39,26 +40,30 @@ class DriveRecording:
         self.partners = tuple(drive.key for drive in plan.drives)
         self.constants = {drive.id_name: drive.id_value for drive in plan.drives if drive.id_name}
         self.controls = [caller.control.name for caller in plan.callers]
-        self._keys: dict[int, str] = {}
+        self._partners: dict[int, Partner] = {}
 
     def connect(self, bus: Periphery, options: PartnerOptions) -> None:
         """A drive at every address. Raises DiagnosticError."""
         faults = plan_faults(options.faults, options.fault_file, self.partners)
-        for address, (key, drive) in connect(self.plan, options.files, faults).items():
-            bus.attach(address, drive)
-            self._keys[id(drive)] = key
+        self._partners = connect(self.plan, options.files, faults)
+        for address, partner in self._partners.items():
+            bus.attach(address, partner.drive)
 
     def attach(self, cpu: RecordingCpu) -> RecordedDrives:
         """Watch units, jobs and drives."""
-        return RecordedDrives(cpu, self.plan, self._keys)
+        return RecordedDrives(cpu, self.plan, self._partners)
 
 
 class RecordedDrives:
     """Drives and jobs on a CPU; what a drive writes into its journal when a record job ends is a contact."""
 
-    def __init__(self, cpu: RecordingCpu, plan: DrivePlan, keys: Mapping[int, str]) -> None:
-        self._cpu, self._plan, self._keys = cpu, plan, keys
+    def __init__(self, cpu: RecordingCpu, plan: DrivePlan, partners: Mapping[int, Partner]) -> None:
+        self._cpu, self._plan = cpu, plan
+        self._keys = {id(partner.drive): partner.key for partner in partners.values()}
         self._units = UnitWatch(cpu, plan)
+        for address, partner in partners.items():
+            if not partner.own:  # the user's own says itself what happens
+                partner.drive.asked = partial(self._units.let_come, address, partner.drive)
         self._jobs = {job.key: job for job in plan.jobs}
         found = (_LABEL.match(use.label) for job in plan.jobs for use in job.uses)
         self._letters = {int(label[2]): label[1] for label in found if label}

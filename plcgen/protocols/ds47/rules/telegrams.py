@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram
 
 
+TELEGRAM_MS = 150
+"""What a telegram takes at least: ten to fifteen calls of block, channel and record services, 10 ms apart."""
+
+
 def response_buffer(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG303: the pinned response buffer is not fit for every answer the drive may give."""
     for job in plan.shapes:
@@ -130,13 +134,11 @@ def reference(plan: DrivePlan) -> Iterator[Diagnostic]:
 
 
 def timing(plan: DrivePlan) -> Iterator[Diagnostic]:
-    """PG306: the job's time is over before its pauses are."""
+    """PG306: the job's time is over before its pauses are, or before its telegrams are."""
     for job in plan.shapes:
-        if job.retries == 0:
-            continue
         span = key_or_value(plan, (*job.path, "timeout"))
-        least = len(job.telegrams) * job.retry_pause
-        if job.timeout <= job.retry_pause:
+        least, pauses = TELEGRAM_MS * (len(job.telegrams) + 1), len(job.telegrams) * job.retry_pause
+        if job.retries and job.timeout <= job.retry_pause:
             yield Diagnostic(
                 "PG306",
                 f"the timeout of {spelled(job.timeout)} ends before the first retry, "
@@ -145,14 +147,22 @@ def timing(plan: DrivePlan) -> Iterator[Diagnostic]:
                 help="make timeout longer or retry_pause shorter",
                 notes=_pause(plan, job),
             )
-        elif job.timeout <= least:
+        elif job.timeout < least:
+            yield Diagnostic(
+                "PG306",
+                f"the timeout of {spelled(job.timeout)} is too short for {quantity(len(job.telegrams), 'telegram')}, "
+                "of which each takes ten to fifteen calls of the block",
+                span,
+                help=f"allow {spelled(least)} at least; a drive may need more",
+            )
+        elif job.retries and job.timeout <= pauses:
             yield Diagnostic(
                 "PG306",
                 f"the timeout of {spelled(job.timeout)} is too short "
                 f"for one retry of each of the {len(job.telegrams)} telegrams",
                 span,
                 Severity.WARNING,
-                help=f"make timeout longer than {spelled(least)}",
+                help=f"make timeout longer than {spelled(pauses)}",
                 notes=_pause(plan, job),
             )
 

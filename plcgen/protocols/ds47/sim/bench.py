@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Iterable, Mapping
-from functools import partial
 
 from plcgen.protocols.ds47.device import Device
 from plcgen.protocols.ds47.device import Parameter as CatalogueParameter
 from plcgen.protocols.ds47.kinds.acknowledge import ACKNOWLEDGES
-from plcgen.protocols.ds47.kinds.activate import ACTIVATES
 from plcgen.protocols.ds47.kinds.save import SAVES
 from plcgen.protocols.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.faults import Fault
-from plcgen.protocols.ds47.sim.parameters import Comes, DriveObject, SimulatedParameter, ValueLimits
+from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter, ValueLimits
 from plcgen.protocols.ds47.wire.bico import parse_bico
-from plcgen.protocols.ds47.wire.formats import Format, FormatKind, Value, integer_range, pack_values, unpack_values
+from plcgen.protocols.ds47.wire.formats import Format, FormatKind, Value, unpack_values
 
 SAVING_MS = 300
 """How long the simulated drive saves."""
@@ -52,17 +49,7 @@ def _parameters(uses: Iterable[Use], *, distinct: bool) -> dict[int, SimulatedPa
     by_pnu: dict[int, list[Use]] = {}
     for use in uses:
         by_pnu.setdefault(use.parameter.pnu, []).append(use)
-    found = {pnu: _parameter(group, seed, distinct=distinct) for seed, (pnu, group) in enumerate(by_pnu.items(), 1)}
-    for pnu, group in by_pnu.items():
-        following = [use for use in group if use.awaited is not None and use.awaited.follows]
-        change = partial(_follow, found.get(ACTIVATES))
-        found[pnu].comes += tuple(Comes(use, use.subindex, change) for use in following)
-    return found
-
-
-def _follow(told: SimulatedParameter | None, value: Value) -> Value:
-    """A drive object is active if it has been told so (1), and is not otherwise (0, 2)."""
-    return value if told is None else int(told.values[0] == 1)
+    return {pnu: _parameter(group, seed, distinct=distinct) for seed, (pnu, group) in enumerate(by_pnu.items(), 1)}
 
 
 def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParameter:
@@ -85,40 +72,7 @@ def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParam
         clears_after=SAVING_MS if polled else None,
         saves="" if definition.pnu not in SAVES.values() or not polled else _SAVED[definition.pnu],
         acknowledges=polled and definition.pnu == ACKNOWLEDGES,
-        comes=tuple(Comes(u, u.subindex, partial(_come, u)) for u in group if u.awaited and not u.awaited.follows),
     )
-
-
-_COMPARES = {
-    "=": operator.eq, "<>": operator.ne, "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge,
-}  # fmt: skip
-
-
-def _come(use: Use, value: Value) -> Value:
-    """A value for which a step waits: as it is if it will do, else the one that is compared with or its neighbour."""
-    awaited, fmt = use.awaited, use.format
-    wanted = unpack_values(fmt, 1, use.data)[0]
-    if awaited is None:
-        return value
-    if awaited.bit is not None:
-        mask = 1 << awaited.bit
-        own = int.from_bytes(pack_values(fmt, [value])) & ~mask
-        on = any(use.data) == (awaited.operator == "=")
-        return unpack_values(fmt, 1, (own | mask * on).to_bytes(fmt.size))[0]
-    if _COMPARES[awaited.operator](value, wanted):
-        return value
-    if "=" in awaited.operator:
-        return wanted
-    if isinstance(wanted, bytes | bool):
-        return unpack_values(fmt, 1, bytes(byte ^ 1 for byte in use.data))[0]
-    assert isinstance(wanted, int | float)  # noqa: S101 - texts are not waited for
-    if isinstance(wanted, float):
-        step: float = max(1.0, abs(wanted) / 1000)
-    else:
-        step = 1
-    range_ = integer_range(fmt)
-    down = awaited.operator == "<" or (awaited.operator == "<>" and range_ is not None and wanted == range_[1])
-    return wanted - step if down else wanted + step
 
 
 _SAVED = {SAVES["unit"]: "unit", SAVES["drive_object"]: "object"}

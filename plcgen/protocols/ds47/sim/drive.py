@@ -19,7 +19,7 @@ from plcgen.protocols.ds47.wire.model import ADDRESS_SIZE, HEADER_SIZE, ErrorBlo
 from plcgen.protocols.ds47.wire.status import status_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter
     from plcgen.protocols.ds47.wire.status import Direction
@@ -50,7 +50,8 @@ class Drive:
     """A drive with its objects, behaviour and pending faults; ``journal`` keeps every call.
 
     ``write_record`` and ``read_record`` answer at once with the STATUS of the finished call, 0 is success;
-    the calls in between (7001h, 7002h) belong to the CPU.
+    the calls in between (7001h, 7002h) belong to the CPU. ``asked`` is told that a request to read has come: whoever
+    waits for a value can let it come then.
     """
 
     def __init__(
@@ -67,6 +68,7 @@ class Drive:
         self._response: bytes | None = None
         self._previous: bytes | None = None
         self._clearing: list[tuple[int, int, SimulatedParameter]] = []
+        self.asked: Callable[[], None] | None = None
 
     @property
     def state(self) -> ChannelState:
@@ -104,6 +106,8 @@ class Drive:
         if status:
             return status
         self._response = None
+        if self.asked is not None and data[1] == RequestId.READ:
+            self.asked()
         if self._use(FaultKind.SILENCE):
             return 0
         late = self._use(FaultKind.LATE)

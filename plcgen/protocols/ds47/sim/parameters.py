@@ -27,15 +27,6 @@ Keeps = Callable[[int, Value], Value]
 """What is kept of a value, from its index and itself."""
 
 
-@dataclass(frozen=True, slots=True)
-class Comes:
-    """What somebody waits for, ``owner``: what becomes of the value at an index."""
-
-    owner: object
-    index: int
-    change: Callable[[Value], Value]
-
-
 READY = "ready"
 TEXT_SIZE = 16
 
@@ -83,8 +74,6 @@ class SimulatedParameter:
     values of the drive object or of the whole unit then survive ``Drive.power_cycle``. With ``acknowledges``
     the present faults then become those of the case before, but for the ``remaining`` first ones. ``keeps`` makes
     another value of a written one, from its index and itself: a drive that rounds, or clips without a word.
-    ``comes`` happens to the values, one after the other and round again, each in front of a read: a drive that does at
-    once what is waited for.
     """
 
     pnu: int
@@ -105,25 +94,12 @@ class SimulatedParameter:
     acknowledges: bool = False
     remaining: int = 0
     keeps: Keeps | None = None
-    comes: tuple[Comes, ...] = ()
-    coming: int = 0
     defaults: tuple[Value, ...] = field(init=False)
     saved: tuple[Value, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         formats.pack_values(self.format, self.values)
         self.defaults = self.saved = tuple(self.values)
-
-    def expect(self, owner: object) -> None:
-        """What comes next is what this one waits for."""
-        self.coming = next((n for n, one in enumerate(self.comes) if one.owner is owner), self.coming)
-
-    def come(self) -> None:
-        """What is waited for next is there."""
-        if self.comes:
-            next_ = self.comes[self.coming % len(self.comes)]
-            self.coming += 1
-            self.values[next_.index] = next_.change(self.values[next_.index])
 
     def refusal(self, state: str, *, change: bool) -> int | None:
         """Return the error number of the first condition that refuses the access, or None."""

@@ -172,7 +172,6 @@ class Server:
         refusal = parameter.refusal(state, change=False)
         if refusal is not None:
             raise _RefusedError(refusal)
-        parameter.come()
         if parameter.format.is_string:
             octets = formats.pack_values(parameter.format, parameter.values)[start : start + count]
             return ValueBlock(parameter.format.code, count, octets)
