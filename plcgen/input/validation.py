@@ -261,13 +261,20 @@ class _Teller:
         by_value: dict[tuple[int, str], list[Any]] = {}
         errors = list(errors)
         above = {error["loc"][:depth] for error in errors for depth in range(len(error["loc"]))}
+        inside = {error["loc"][:depth] for error in errors for depth in range(len(error["loc"]) - 1)}
         for error in errors:
             if error["type"] == "too_short" and error["loc"] in above:
                 continue  # pydantic does not count elements that are wrong
+            if error["type"] in _EXPECTED and error["loc"][:-1] in inside and self.is_alternative(error["loc"]):
+                continue  # another alternative is of the right kind, and something is wrong in there
             named = error["type"] in {"extra_forbidden", "missing", _CUSTOM}
             detail = f"{error['type']} {error['loc'][-1:]} {error['msg']}" if named else ""
             by_value.setdefault((id(self.root.find(error["loc"])), detail), []).append(error)
         return [self.one(group) for group in by_value.values()]
+
+    def is_alternative(self, path: Path) -> bool:
+        """Whether the last step of a path is none in the tree: pydantic names the alternative of a union there."""
+        return self.root.find(path) is self.root.find(path[:-1])
 
     def one(self, group: list[Any]) -> Diagnostic:
         error = next((e for e in group if e["type"] not in _EXPECTED), group[0])  # the alternative of the right kind

@@ -89,7 +89,7 @@ def _inside(schema: Any) -> Any:
     return found
 
 
-_BESIDE = ("description", "default", "examples")
+_BESIDE = ("description", "default", "examples", "maxLength")
 
 
 def _or_variable(schema: dict[str, Any]) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
+from plcgen.input.printed import Name, Printed
 from plcgen.input.validation import StrictModel, problem
 from plcgen.input.variables import NAME
 from plcgen.project.editor import DURATION
@@ -108,17 +109,16 @@ Duration = Annotated[
     WithJsonSchema({"type": "string", "pattern": DURATION, "examples": ["200ms", "10s"]}),
 ]
 CpuName = Annotated[
-    str, BeforeValidator(_cpu_name), Field(max_length=40), WithJsonSchema({"type": ["string", "integer"]})
+    Name, BeforeValidator(_cpu_name), Field(max_length=40), WithJsonSchema({"type": ["string", "integer"]})
 ]
 Text = Annotated[
-    dict[str, str],
+    dict[Name, Printed],
     BeforeValidator(_text),
     WithJsonSchema(
         {"anyOf": [{"type": "string"}, {"type": "object", "additionalProperties": {"type": "string"}}]},
     ),
 ]
 COMMENT = "for readers: text, or one text per language"
-Value = bool | int | float | str
 
 
 def _of_an_input(start: Any, info: ValidationInfo) -> Any:
@@ -153,16 +153,16 @@ class Instructions(StrictModel):
 class Plc(StrictModel):
     """The controller the blocks are for."""
 
-    name: str = Field(min_length=1, max_length=120, description="project or station name, used in headers")
+    name: Name = Field(min_length=1, max_length=120, description="project or station name, used in headers")
     family: Family = Field(description="CPU family")
     cpu: CpuName | None = Field(None, description="CPU type, such as 315-2DP: what does not fit it is a warning")
     toolchain: Toolchain = Field(description="engineering tool that imports the sources")
     names: Naming = Field("style", description="member names: style guide (camelCase) or FAQ 109750712")
-    languages: tuple[str, ...] = Field(
+    languages: tuple[Name, ...] = Field(
         ("en-US",), min_length=1, max_length=16, description="comment languages; the first is the main one"
     )
     numbers: Numbers = Field(Numbers(), description="where automatic block numbers start")
-    user_owned: tuple[Annotated[str, Field(min_length=1, max_length=200)], ...] = Field(
+    user_owned: tuple[Annotated[Printed, Field(min_length=1, max_length=200)], ...] = Field(
         (), max_length=1000, description="blocks or files of the output folder that are yours: never written over"
     )
     instructions: Instructions = Field(Instructions(), description="versions of WRREC, RDREC and TON_TIME")
@@ -171,23 +171,23 @@ class Plc(StrictModel):
 class BlockName(StrictModel):
     """Name and number of the job's function block or its instance DB."""
 
-    name: str | None = Field(None, min_length=1, max_length=125, description="name; absent: from the job's key")
+    name: Name | None = Field(None, min_length=1, max_length=125, description="name; absent: from the job's key")
     number: int | None = Field(None, ge=1, le=65535, description="number; absent: automatic")
 
 
 class Trigger(StrictModel):
     """Flags or symbols of the job's call; absent ones are members of the control DB."""
 
-    execute: str | None = Field(None, description="bit that starts the job, e.g. M50.0 or Plant.start")
-    busy: str | None = Field(None, description="bit that says that the job runs")
-    done: str | None = Field(None, description="bit that says that the job ended well, e.g. M50.5")
-    error: str | None = Field(None, description="bit that says that the job ended with an error")
-    status: str | None = Field(None, description="word for the status, e.g. MW52")
+    execute: Printed | None = Field(None, description="bit that starts the job, e.g. M50.0 or Plant.start")
+    busy: Printed | None = Field(None, description="bit that says that the job runs")
+    done: Printed | None = Field(None, description="bit that says that the job ended well, e.g. M50.5")
+    error: Printed | None = Field(None, description="bit that says that the job ended with an error")
+    status: Printed | None = Field(None, description="word for the status, e.g. MW52")
 
 
 _FILE: dict[str, Any] = {"type": "string", "minLength": 1, "maxLength": 500, "pattern": r"\.[yY][aA]?[mM][lL]$"}
 Include = Annotated[
-    tuple[Annotated[str, Field(min_length=1, max_length=500, pattern=_FILE["pattern"])], ...],
+    tuple[Annotated[Printed, Field(min_length=1, max_length=500, pattern=_FILE["pattern"])], ...],
     ONE_OR_MORE,
     WithJsonSchema({"anyOf": [_FILE, {"type": "array", "items": _FILE}]}),
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from html import unescape
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Span
@@ -15,6 +16,7 @@ from plcgen.sources.generated import generated_documents, generated_sources
 from plcgen.sources.text import read_source
 
 _BAR = re.compile(r"(?<!\\)\|")
+_ESCAPED = re.compile(r"\\([^\w\s])")
 
 
 @dataclass(slots=True)
@@ -63,7 +65,7 @@ def read_folder(path: Path, where: Target, progress: Callable[[str, int, int], N
 
 
 def table_rows(text: str) -> Iterator[list[str]]:
-    """Cells of every row of the Markdown tables in a text, without blanks around; their rules of dashes have none."""
+    """Cells of every row of the Markdown tables in a text as a viewer shows them; their rules of dashes have none."""
     for line in text.splitlines():
         if line.startswith("| "):
-            yield [cell.strip() for cell in _BAR.split(line)[1:-1]]
+            yield [unescape(_ESCAPED.sub(r"\1", cell.strip())) for cell in _BAR.split(line)[1:-1]]

@@ -116,7 +116,7 @@ MISTAKES = [
     ("PG108", 30, 38, "ambiguous value yes"),
     ("PG106", 31, 8, "expected a mapping instead of a list"),
     ("PG103", 32, 3, "R19 is the same parameter as P19"),
-    ("PG107", 33, 34, "a text is one line of printable characters"),
+    ("PG107", 33, 34, "the character U+000A is not allowed: a text is one line"),
     ("PG107", 35, 33, 'P21 has the name "ramp_up" as well'),
     ("PG203", 36, 3, '"P23[1]" is not a parameter number'),
     ("PG106", 37, 33, 'expected text instead of "5"'),
@@ -293,7 +293,6 @@ def test_its_limits_and_names_count(tmp_path: Path) -> None:
         ("loop.yaml", 'there is no device profile "loop.yaml"'),
         ("./missing.yaml", 'there is no device profile "./missing.yaml"'),
         ("./sub.yaml", 'there is no device profile "./sub.yaml"'),
-        ('"a\\0b.yaml"', 'there is no device profile "a\\u0000b.yaml"'),
         ("./pipe.yaml", 'there is no device profile "./pipe.yaml"'),
     ],
 )

@@ -23,6 +23,7 @@ RULES: tuple[Callable[[Project], Iterator[Diagnostic]], ...] = (
     flags.flags_out_of_range,
     flags.symbols,
     names.check_names,
+    names.lookalikes,
     names.block_names,
     names.encoding_of_names,
     names.encoding_of_comments,

@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Severity
+from plcgen.input.lookalikes import skeleton
 from plcgen.project.rules.places import by_importance, key_or_value, name_span, node_at
 from plcgen.protocols.base import Named
 from plcgen.s7.names import ROLES, check_name, is_identifier
@@ -85,6 +86,18 @@ def _taken(project: Project) -> Iterator[tuple[str, str, Span | None]]:
             yield f"{job.member}{signal.capitalize()}", f'the {signal} flag of job "{job.key}"', span
 
 
+def lookalikes(project: Project) -> Iterator[Diagnostic]:
+    """PG414: a name looks like another one of the project, and is written in other letters."""
+    first: dict[str, Named] = {}
+    for named in _names(project):
+        earlier = first.setdefault(skeleton(named.name), named)
+        if earlier.name.lower() != named.name.lower():
+            message = f'{named.what} "{named.name}" looks like {earlier.what} "{earlier.name}" in other letters'
+            notes = (Note("the other one", earlier.place()),)
+            help_ = "write both in the letters of one script"
+            yield Diagnostic("PG414", message, named.place(), help=help_, notes=notes)
+
+
 def encoding_of_names(project: Project) -> Iterator[Diagnostic]:
     """PG407: a name has a character that the source files cannot hold."""
     reported: set[Span] = set()
@@ -128,9 +141,8 @@ def _names(project: Project) -> Iterator[Named]:
 
 def _reason(named: Named, *, v5: bool) -> str | None:
     """Why a name is not fit for its role, or None."""
-    if named.role == "text":
-        odd = next((char for char in named.name if not char.isprintable()), None)
-        return None if odd is None else f"the character U+{ord(odd):04X} is not allowed"
+    if named.role == "text":  # its characters were looked at when it was read
+        return None
     if named.role == "key":
         fits = _KEY.match(named.name) is not None
         return None if fits else "a key is a letter, then letters, digits, _ and -: blocks and files are named after it"
@@ -148,8 +160,6 @@ def _reason(named: Named, *, v5: bool) -> str | None:
 
 
 def _help(named: Named) -> str:
-    if named.role == "text":
-        return "write the name in one line"
     if named.role == "key":
         return "rename the key, for example read_speed"
     return "choose another name, for example ReadSpeed" if named.role == "symbol" else "choose another name"

@@ -9,20 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args
 
 from pydantic import AfterValidator, Field
 
+from plcgen.input.printed import Name, Printed, Value
 from plcgen.input.validation import StrictModel, problem
-from plcgen.project.schema import Value
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.references import parse_reference
 
 if TYPE_CHECKING:
     from plcgen.protocols.ds47.wire.bico import Layout
     from plcgen.protocols.ds47.wire.errors import Table
-
-
-def _one_line(text: str) -> str:
-    if not text.strip() or not text.isprintable():
-        raise problem("a text is one line of printable characters")
-    return text
 
 
 def _number(key: str) -> str:
@@ -40,9 +34,8 @@ def _value_name(name: str) -> str:
     return name
 
 
-ValueName = Annotated[str, AfterValidator(_value_name), Field(max_length=64)]
-Line = Annotated[str, AfterValidator(_one_line), Field(max_length=300)]
-ParameterNumber = Annotated[str, AfterValidator(_number)]
+ValueName = Annotated[Name, AfterValidator(_value_name), Field(max_length=64)]
+ParameterNumber = Annotated[Name, AfterValidator(_number)]
 DataSets = Literal["CDS", "DDS", "EDS", "MDS", "n"]
 """What the number of indexes follows: command, drive, encoder or motor data sets, or something else."""
 Indexes = Annotated[int, Field(ge=1, le=65535)] | DataSets
@@ -168,10 +161,10 @@ class Device:
 class ParameterDef(StrictModel):
     """A drive parameter that the device catalogue does not hold (or holds differently)."""
 
-    type: str = Field(description="DS47 data type, e.g. FloatingPoint, Unsigned16, OctetString[4]")
-    name: str | None = Field(None, description="symbolic name, snake_case; becomes the block's member name")
-    title: str | None = Field(None, description="text for comments")
-    unit: str | None = Field(None, description="text for comments, such as s or rpm")
+    type: Name = Field(description="DS47 data type, e.g. FloatingPoint, Unsigned16, OctetString[4]")
+    name: Name | None = Field(None, description="symbolic name, snake_case; becomes the block's member name")
+    title: Printed | None = Field(None, description="text for comments")
+    unit: Printed | None = Field(None, description="text for comments, such as s or rpm")
     access: Literal["r", "w", "rw"] | None = Field(None, description="absent: rw, or r where it can only be read")
     array: Indexes | None = Field(
         None, description="number of indexes, or what it follows: CDS, DDS, EDS, MDS, n; absent: not indexed"

@@ -21,15 +21,14 @@ from pydantic import (
 )
 
 from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.input.printed import Line, Name, Value
 from plcgen.input.validation import FileShape, Problems, StrictModel, problem
-from plcgen.project.schema import Value
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import (
     UNKNOWN,
     Device,
     Fact,
     Grade,
-    Line,
     Parameter,
     ParameterDef,
     ParameterNumber,
@@ -122,7 +121,7 @@ class ScalarElements(StrictModel):
 class ParameterEntry(ParameterDef):
     """One parameter of the catalogue."""
 
-    name: Annotated[str, Field(max_length=64)] | None = Field(None, description="symbolic name, snake_case")
+    name: Annotated[Name, Field(max_length=64)] | None = Field(None, description="symbolic name, snake_case")
     title: Line | None = Field(None, description="text for comments")
     unit: Line | None = None
     dangerous: Line | None = Field(None, description="why a write needs a sign-off (allow:)")
@@ -130,7 +129,7 @@ class ParameterEntry(ParameterDef):
     grade: Grade = Field("read", description="how the facts are known: read, inferred, recalled")
     facts: dict[Fact, Grade] = Field(default_factory=dict, description="the same for single facts")
     observed: Value | None = Field(None, description="a value that a drive had; not its factory setting")
-    scaling: str | None = Field(None, description="reference of its value in process data, for example p2000")
+    scaling: Name | None = Field(None, description="reference of its value in process data, for example p2000")
     changeable: Line | None = Field(None, description="states in which the drive takes a write")
     note: Line | None = None
 
@@ -258,7 +257,7 @@ class DeviceProfile(StrictModel):
     like: Line | None = Field(
         None, description="a shipped device whose parameters this one has too, as far as anybody knows"
     )
-    sources: dict[str, Line] = Field(default_factory=dict, description="sources by a short name, for parameters")
+    sources: dict[Name, Line] = Field(default_factory=dict, description="sources by a short name, for parameters")
     parameters: dict[ParameterNumber, ParameterEntry] = Field(default_factory=dict, description="the catalogue")
 
     @field_validator("like")

@@ -6,8 +6,9 @@ from typing import Annotated
 
 from pydantic import Field
 
+from plcgen.input.printed import Name, Value
 from plcgen.input.validation import StrictModel
-from plcgen.project.schema import COMMENT, ONE_OR_MORE, Text, Value, short_item
+from plcgen.project.schema import COMMENT, ONE_OR_MORE, Text, short_item
 from plcgen.protocols.ds47.kinds.kind import ReadItem
 
 MOST_RECORDS = 1000
@@ -28,7 +29,7 @@ class RecipeEntry(StrictModel):
     )
     records: (
         Annotated[int, Field(ge=2, le=MOST_RECORDS)]
-        | Annotated[dict[str, dict[str, RecordValue]], Field(min_length=2, max_length=MOST_RECORDS)]
+        | Annotated[dict[Name, dict[Name, RecordValue]], Field(min_length=2, max_length=MOST_RECORDS)]
     ) = Field(description="how many there are, or their names with parameter: value, 2 to 1000")
     retain: bool = Field(default=True, description="the records keep their values without power")
     comment: Text | None = Field(None, description=COMMENT)

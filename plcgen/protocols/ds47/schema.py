@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, create_model, model_validator
 
+from plcgen.input.printed import MAX_TEXT, Name, Printed, Reason
 from plcgen.input.validation import StrictModel, problem
 from plcgen.plugins import expect_free
 from plcgen.project.editor import suggested
@@ -27,7 +28,7 @@ from plcgen.project.schema import (
     short_item_schema,
     trigger_short,
 )
-from plcgen.protocols.ds47.device import Line, Parameter, ParameterDef, ParameterNumber
+from plcgen.protocols.ds47.device import Parameter, ParameterDef, ParameterNumber
 from plcgen.protocols.ds47.devices import named_parameters, offer_names
 from plcgen.protocols.ds47.kinds.kind import JobKind, ReadItem, WriteItem
 from plcgen.protocols.ds47.kinds.registry import GROUP, kinds
@@ -46,7 +47,7 @@ def _hardware_id(value: int | str) -> int | str:
     where = "it is in the device view or among the system constants"
     if value == 0:
         raise problem("0 is not a hardware identifier", help_=where)
-    if isinstance(value, str) and ('"' in value or not value.isprintable() or not value.strip()):
+    if isinstance(value, str) and '"' in value:
         raise problem(f"{value!r} is not the name of a system constant", help_=where)
     return value
 
@@ -61,8 +62,7 @@ Address = Annotated[
 HardwareNumber = Annotated[
     int, Field(ge=0, le=65535), WithJsonSchema({"type": "integer", "minimum": 1, "maximum": 65535})
 ]
-ConstantName = Annotated[str, Field(min_length=1, max_length=128)]
-HardwareId = Annotated[HardwareNumber | ConstantName, AfterValidator(_hardware_id)]
+HardwareId = Annotated[HardwareNumber | Name, AfterValidator(_hardware_id)]
 
 
 class DriveSettings(StrictModel):
@@ -76,7 +76,7 @@ class DriveSettings(StrictModel):
         None, description="hardware identifier (S7-1200/1500), 1..65535, or the name of its system constant"
     )
     drive_object: int | None = Field(None, ge=0, le=255, description="drive object / axis; default of the device")
-    parameters: dict[str, ParameterDef] = Field(default_factory=dict, description="parameters outside the catalogue")
+    parameters: dict[Name, ParameterDef] = Field(default_factory=dict, description="parameters outside the catalogue")
     comment: Text | None = Field(None, description=COMMENT)
 
 
@@ -85,7 +85,7 @@ RecordIndex = Annotated[
     Field(None, description="data record index; default of the device: 47, 16#B02E or 16#B02F"),
 ]
 Profile = Annotated[
-    str,
+    Printed,
     Field(
         description="device profile, see plcgen schema --devices, or the path of one beside the spec",
         json_schema_extra=offer_names,
@@ -108,7 +108,7 @@ class DriveEntry(DriveSettings, UnitSettings):
 class UnitEntry(UnitSettings):
     """A device whose drive objects share one parameter server, whatever their addresses: a control unit."""
 
-    drives: dict[str, DriveSettings] = Field(min_length=1, description="the drive objects by key")
+    drives: dict[Name, DriveSettings] = Field(min_length=1, description="the drive objects by key")
 
 
 class PlacedDrive(NamedTuple):
@@ -130,13 +130,13 @@ def _signed(value: object) -> object:
 
 
 SignOff = Annotated[
-    dict[ParameterNumber, Line],
+    dict[ParameterNumber, Reason],
     BeforeValidator(_signed),
     WithJsonSchema(
         {
             "type": "object",
             "propertyNames": {"pattern": "^[PpRr]?[0-9]{1,9}$"},
-            "additionalProperties": {"type": "string", "maxLength": 300},
+            "additionalProperties": {"type": "string", "maxLength": MAX_TEXT},
         }
     ),
 ]
@@ -158,7 +158,7 @@ class ErrorSettings(StrictModel):
         "stopped",
         description="stopped: old values come back while the drive reports that it does not run; running: always",
     )
-    reason: Line | None = Field(None, description="why restoring may happen while the drive runs")
+    reason: Reason | None = Field(None, description="why restoring may happen while the drive runs")
 
     @model_validator(mode="after")
     def _signed_off(self) -> ErrorSettings:
@@ -172,15 +172,15 @@ class BufferSettings(StrictModel):
     """A request or response data block."""
 
     db: int | None = Field(None, ge=1, le=65535, description="DB number; absent: automatic")
-    name: str | None = Field(None, min_length=1, max_length=125, description="DB name; absent: from the job's name")
+    name: Name | None = Field(None, min_length=1, max_length=125, description="DB name; absent: from the job's name")
     size: int | None = Field(None, ge=1, le=65534, description="pinned length in bytes; absent: as needed")
-    members: dict[str, str] = Field(default_factory=dict, description="own member names: generated name -> yours")
+    members: dict[Name, Name] = Field(default_factory=dict, description="own member names: generated name -> yours")
 
 
 class JobTarget(StrictModel):
     """What every job begins with."""
 
-    drive: Annotated[tuple[str, ...], ONE_OR_MORE] = Field(
+    drive: Annotated[tuple[Name, ...], ONE_OR_MORE] = Field(
         min_length=1, description="key of a drive, or a list of them: one function block, an instance for each"
     )
 
@@ -235,10 +235,10 @@ class JobEntry(JobSettings, JobTarget):
 class DriveSections(StrictModel):
     """Units, drives and their jobs."""
 
-    units: dict[str, UnitEntry] = Field(default_factory=dict, description="devices with several drive objects")
-    drives: dict[str, DriveEntry] = Field(default_factory=dict, description="drives by key")
-    recipes: dict[str, RecipeEntry] = Field(default_factory=dict, description="parameter sets by key")
-    jobs: Mapping[str, JobEntry] = Field(min_length=1, description="jobs by key")
+    units: dict[Name, UnitEntry] = Field(default_factory=dict, description="devices with several drive objects")
+    drives: dict[Name, DriveEntry] = Field(default_factory=dict, description="drives by key")
+    recipes: dict[Name, RecipeEntry] = Field(default_factory=dict, description="parameter sets by key")
+    jobs: Mapping[Name, JobEntry] = Field(min_length=1, description="jobs by key")
 
     def items(self, job: JobEntry, kind: JobKind) -> tuple[ReadItem | WriteItem, ...]:
         """The accesses of a job of a kind; none if it names a recipe that is not there."""
@@ -272,7 +272,7 @@ def drive_sections(*, alone: bool) -> type[DriveSections]:
     return create_model(
         "DriveSections",
         __base__=DriveSections,
-        jobs=(dict[str, job], Field(**least, description="jobs by key")),
+        jobs=(dict[Name, job], Field(**least, description="jobs by key")),
     )
 
 

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
+from plcgen.input.printed import Name, Printed, Value
 from plcgen.input.validation import StrictModel
 from plcgen.project.editor import suggested
 from plcgen.project.schema import (
@@ -18,7 +19,6 @@ from plcgen.project.schema import (
     Duration,
     Text,
     Trigger,
-    Value,
     short_item,
     short_item_schema,
     short_items,
@@ -44,25 +44,25 @@ class PpiBuffer(StrictModel):
     """A telegram table or response data block; further telegrams of a job get numbers and names of their own."""
 
     db: int | None = Field(None, ge=1, le=65535, description="DB number; absent: automatic")
-    name: str | None = Field(None, min_length=1, max_length=125, description="DB name; absent: from the job's name")
+    name: Name | None = Field(None, min_length=1, max_length=125, description="DB name; absent: from the job's name")
 
 
 class PpiReadItem(StrictModel):
     """One address to read."""
 
-    item: str = Field(description="VB100, VW100, VD100, V100.3, M0.0, SMB34, AIW0, T32, C5, VB100[20] or a symbol")
-    as_: str | None = Field(None, alias="as", description="name of the block's output")
-    type: str | None = Field(None, description="type of the output, e.g. Int or Real; default Byte, Word, DWord, Bool")
+    item: Name = Field(description="VB100, VW100, VD100, V100.3, M0.0, SMB34, AIW0, T32, C5, VB100[20] or a symbol")
+    as_: Name | None = Field(None, alias="as", description="name of the block's output")
+    type: Name | None = Field(None, description="type of the output, e.g. Int or Real; default Byte, Word, DWord, Bool")
     comment: Text | None = Field(None, description=COMMENT)
 
 
 class PpiWriteItem(StrictModel):
     """One address to write; without a value it becomes an input of the block."""
 
-    item: str = Field(description="VB100, VW100, VD100, V100.3, M0.0, Q0.0 or a symbol")
+    item: Name = Field(description="VB100, VW100, VD100, V100.3, M0.0, Q0.0 or a symbol")
     value: Value | None = Field(None, description="constant; absent: block input")
-    as_: str | None = Field(None, alias="as", description="name of the block's input")
-    type: str | None = Field(None, description="type of the input, e.g. Int or Real; default Byte, Word, DWord, Bool")
+    as_: Name | None = Field(None, alias="as", description="name of the block's input")
+    type: Name | None = Field(None, description="type of the input, e.g. Int or Real; default Byte, Word, DWord, Bool")
     start: Annotated[Value | None, OF_AN_INPUT] = Field(None, description="start value of the input")
     comment: Text | None = Field(None, description=COMMENT)
 
@@ -72,7 +72,7 @@ class PpiStation(StrictModel):
 
     address: int = Field(ge=0, le=126, description="PPI address of the CPU; 2 is the factory setting")
     cpu: CpuName = Field("226", description="221, 222, 224, 224XP, 226, ST20 or ST40: how much memory it has")
-    symbols: str | dict[str, str] | None = Field(
+    symbols: Printed | dict[Name, Name] | None = Field(
         None, description="CSV export of the Micro/WIN symbol table beside the spec, or symbols with their addresses"
     )
     comment: Text | None = Field(None, description=COMMENT)
@@ -81,7 +81,7 @@ class PpiStation(StrictModel):
 class MasterJob(StrictModel):
     """One job: read or write some addresses of one station, or switch it to RUN or STOP."""
 
-    station: str = Field(description="key of a station of this master")
+    station: Name = Field(description="key of a station of this master")
     read: Annotated[tuple[Annotated[PpiReadItem, short_item("item")], ...], ONE_OR_MORE] | None = Field(
         None, description="addresses or symbols to read"
     )
@@ -113,8 +113,8 @@ class PpiMaster(StrictModel):
     address: int | None = Field(None, ge=0, le=32767, description="logical address of the CP 341 (S7-300/400)")
     own_address: int = Field(0, ge=0, le=126, description="PPI address of this master; 0 is that of a PC")
     baud: Annotated[int, WithJsonSchema({"enum": [9600, 19200]})] = Field(9600, description="9600 or 19200")
-    stations: dict[str, PpiStation] = Field(min_length=1, description="stations on the line by key")
-    jobs: dict[str, MasterJob] = Field(min_length=1, description="jobs by key")
+    stations: dict[Name, PpiStation] = Field(min_length=1, description="stations on the line by key")
+    jobs: dict[Name, MasterJob] = Field(min_length=1, description="jobs by key")
     block: BlockName = Field(BlockName(), description="the master's function block")
     instance: BlockName = Field(BlockName(), description="the function block's instance DB")
     ob1_cycle: Duration = Field(50, ge=1, description="longest cycle time of OB1; the timeouts are computed with it")
@@ -130,7 +130,7 @@ class PpiMaster(StrictModel):
 class PpiSection(StrictModel):
     """PPI masters."""
 
-    ppi: dict[str, PpiMaster] = Field(min_length=1, description="PPI masters, one per serial port")
+    ppi: dict[Name, PpiMaster] = Field(min_length=1, description="PPI masters, one per serial port")
 
 
 def complete(schema: dict[str, Any]) -> None:

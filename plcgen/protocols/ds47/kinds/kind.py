@@ -8,26 +8,27 @@ from typing import Annotated, Any
 
 from pydantic import Field, ValidationInfo
 
+from plcgen.input.printed import Name, Value
 from plcgen.input.validation import StrictModel, problem
-from plcgen.project.schema import COMMENT, OF_AN_INPUT, Text, Value
+from plcgen.project.schema import COMMENT, OF_AN_INPUT, Text
 
 
 class ReadItem(StrictModel):
     """One parameter to read."""
 
-    parameter: str = Field(description="P50303, p2155[1..2], r0945[0..7] or a catalogue name")
-    as_: str | None = Field(None, alias="as", description="name of the block's output")
-    type: str | None = Field(None, description="DS47 data type if the catalogue has none")
+    parameter: Name = Field(description="P50303, p2155[1..2], r0945[0..7] or a catalogue name")
+    as_: Name | None = Field(None, alias="as", description="name of the block's output")
+    type: Name | None = Field(None, description="DS47 data type if the catalogue has none")
     comment: Text | None = Field(None, description=COMMENT)
 
 
 class WriteItem(StrictModel):
     """One parameter to write or to compare; without a value it becomes an input of the block."""
 
-    parameter: str = Field(description="P50304, p2155[1..2], a bit (P1030.3) or a catalogue name")
+    parameter: Name = Field(description="P50304, p2155[1..2], a bit (P1030.3) or a catalogue name")
     value: Value | tuple[Value, ...] | None = Field(None, description="constant; absent: block input")
-    as_: str | None = Field(None, alias="as", description="name of the block's input")
-    type: str | None = Field(None, description="DS47 data type if the catalogue has none")
+    as_: Name | None = Field(None, alias="as", description="name of the block's input")
+    type: Name | None = Field(None, description="DS47 data type if the catalogue has none")
     start: Annotated[Value | tuple[Value, ...] | None, OF_AN_INPUT] = Field(
         None, description="start value of the input"
     )

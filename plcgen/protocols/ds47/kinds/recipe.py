@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import Field
-
+from plcgen.input.printed import Name
 from plcgen.protocols.ds47.kinds.kind import JobKind, WriteItem
 
 
@@ -18,7 +17,7 @@ def _recipe_kind(key: str, does: str) -> JobKind:
     return JobKind(
         key=f"{key}_recipe",
         writes=key == "write",
-        shape=Annotated[str, Field(min_length=1)],
+        shape=Name,
         description=f"key of a recipe: {does}",
         example=f"{key}_recipe: winding",
         items=_members,

@@ -8,12 +8,12 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from plcgen.input.printed import Name, Value
 from plcgen.input.validation import StrictModel, problem
 from plcgen.input.yaml import resolve_plain
 from plcgen.project.schema import (
     ONE_OR_MORE,
     Duration,
-    Value,
     short_item,
     short_item_schema,
     short_items,
@@ -29,7 +29,7 @@ _BIT = re.compile(r"\s*([A-Za-z_0-9]+(?:\s*\[\s*[0-9]{1,6}\s*\])?)\s*\.\s*([0-9]
 class WaitCondition(StrictModel):
     """What a value of the drive must be: ``r722.0: 1``, ``r21: "> 100.0"``; ``place`` counts the keys."""
 
-    parameter: str
+    parameter: Name
     place: int
     bit: int | None
     operator: str

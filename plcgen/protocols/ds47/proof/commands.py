@@ -98,7 +98,7 @@ def check_guide(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
         return  # told as missing
     below = text.partition("\n## What these blocks write\n")[2]
     rows = list(table_rows(below))[1:]
-    found = {(row[0], row[1], row[2].replace("\\", "")): row[4] for row in rows if len(row) == 6}
+    found = {(row[0], row[1], row[2]): row[4] for row in rows if len(row) == 6}
     problems = [f"{key[0]} writes {key[2]} of {key[1]}: it is not listed" for key in wanted if key not in found]
     problems += [f"{key[0]} does not write {key[2]} of {key[1]}" for key in found if key not in wanted]
     problems += [

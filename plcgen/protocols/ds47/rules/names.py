@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def names(plan: DrivePlan) -> Iterator[Named]:
-    """Keys of drives and jobs, names of parameters, values and members."""
+    """Keys of drives, recipes and jobs, names of records, parameters, values and members."""
     value, key_of = plan.loaded.span, plan.loaded.key_span
     for key in plan.spec.units:
         yield Named("unit key", key, "key", partial(key_of, ("units", key)))
@@ -26,10 +26,14 @@ def names(plan: DrivePlan) -> Iterator[Named]:
             if parameter.name is not None:
                 place = partial(value, (*placed.path, "parameters", text, "name"))
                 yield Named("parameter name", parameter.name, "parameter", place)
+    for key, recipe in plan.spec.recipes.items():
+        yield Named("recipe key", key, "key", partial(key_of, ("recipes", key)))
+        for record in recipe.records if isinstance(recipe.records, dict) else ():
+            yield Named("record", record, "text", partial(key_of, ("recipes", key, "records", record)))
     for key in plan.spec.jobs:
         yield Named("job key", key, "key", partial(key_of, ("jobs", key)))
     for job in plan.shapes:
-        for use in job.uses:
+        for use in (each for one in job.uses for each in (one, *one.bits)):
             yield Named("member", use.member, "identifier", partial(member_span, plan, use))
         spec = plan.entry(job)
         for which, buffer in (("request", spec.request), ("response", spec.response)):
@@ -43,7 +47,7 @@ def texts(plan: DrivePlan) -> Iterator[tuple[SpecPath, dict[str, str]]]:
         yield (*drive.path, "comment"), drive.comment
     for job in plan.shapes:
         yield (*job.path, "comment"), job.comment
-        for use in job.uses:
+        for use in (each for one in job.uses for each in (one, *one.bits)):
             yield (*use.path, "comment"), use.comment
     for recipe in plan.recipes:
         yield ("recipes", recipe.key, "comment"), recipe.comment

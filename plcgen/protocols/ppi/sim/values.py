@@ -59,7 +59,7 @@ def _text(item: Item, value: str | bytes | bytearray) -> bytes:
 
 def _element(size: int, value: Any) -> bytes:
     if size == TransportSize.BIT:
-        if value not in {0, 1}:
+        if not isinstance(value, int | float) or value not in {0, 1}:
             raise ValueError(f"a bit is true or false, not {value!r}")
         return bytes((int(value),))
     if size in _ELEMENT_BITS:
