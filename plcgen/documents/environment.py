@@ -37,6 +37,8 @@ _MARKUP = (".xml.j2", ".html.j2", ".svg.j2")
 
 
 _SOURCES = (".scl.j2", ".udt.j2", ".db.j2")
+_MARKDOWN = ".md.j2"
+_PRINTED = re.compile(r"\{\{(-?)(.*?)(-?)\}\}", re.DOTALL)
 _JINJA = re.compile(r"\{\{.*?\}\}|\{%.*?%\}|\{#.*?#\}", re.DOTALL)
 _LETTER = "\ua4d0"
 """A letter that no template contains: it makes a word of what Jinja will replace."""
@@ -78,6 +80,8 @@ class _Respelled(jinja2.ext.Extension):
 
     def preprocess(self, source: str, name: str | None, filename: str | None = None) -> str:  # noqa: ARG002 - Jinja's
         spelling = Spelling(self.environment.globals["spelling"])
+        if (name or "").endswith(_MARKDOWN):
+            return _PRINTED.sub(r"{{\1 (\2) | shown \3}}", source)
         return expand_marks(respell_template(source, spelling)) if (name or "").endswith(_SOURCES) else source
 
 
@@ -89,7 +93,7 @@ def _beside_protocol(name: str) -> str | None:
 
 @functools.cache
 def environment(spelling: Spelling = Spelling.TIA) -> jinja2.Environment:
-    """Environment for the templates of this package, and ``package:path``; templates of markup escape by default."""
+    """Environment for the templates of this package, and ``package:path``; markup and Markdown are escaped."""
     made = jinja2.Environment(
         loader=jinja2.ChoiceLoader(
             [jinja2.FunctionLoader(_beside_protocol), jinja2.FileSystemLoader(templates_dir())],
@@ -104,8 +108,38 @@ def environment(spelling: Spelling = Spelling.TIA) -> jinja2.Environment:
         extensions=[_Respelled],
     )
     made.globals["spelling"] = spelling
-    made.filters |= {"md": markdown.escape, "code": markdown.code_span, "breakable": _breakable, "moved": _moved}
+    made.filters |= {
+        "code": _code,
+        "with_bytes": _with_bytes,
+        "shown": _shown,
+        "breakable": _breakable,
+        "moved": _moved,
+    }
     return made
+
+
+class _Marked(str):
+    """Markdown that is meant as such."""
+
+    __slots__ = ()
+
+
+def _code(text: str) -> _Marked:
+    return _Marked(markdown.code_span(text))
+
+
+_BYTES = re.compile(r"(`[0-9A-F ]+`)")
+
+
+def _with_bytes(text: str) -> _Marked:
+    """A text in which bytes between backticks are code."""
+    parts = _BYTES.split(text)
+    return _Marked("".join(part if number % 2 else markdown.escape(part) for number, part in enumerate(parts)))
+
+
+def _shown(value: object) -> str:
+    """What a template of Markdown prints: whatever it is, a viewer shows just that."""
+    return value if isinstance(value, _Marked) else markdown.escape(str(value))
 
 
 _JOINTS = re.compile(r"(?<=[._\]/,:-])(?=[^._\]/,:\s-])|(?<=[a-z0-9])(?=[A-Z])")

@@ -115,7 +115,7 @@ def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
         "label": use.label,
         "title": use.parameter.title,
         "value": value if use.constant else _open(job, use, value),
-        "note": "; ".join(notes).replace("|", "\\|"),
+        "note": "; ".join(notes),
         "safety": use.parameter.pnu in guards.SAFETY,
     }
 
