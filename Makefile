@@ -7,7 +7,7 @@ READY := $(VENV)/.ready
 unexport PYTHONDONTWRITEBYTECODE
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
-.PHONY: demo test fast coverage lint bench engine mutate deletions beliefs examples example-diff docs site pictures lock clean
+.PHONY: demo test fast coverage lint hostile bench engine mutate deletions beliefs examples example-diff docs site pictures lock clean
 
 demo: $(READY)
 	$(BIN)/plcgen demo .demo
@@ -26,6 +26,10 @@ lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# Every character that is none of a text, at every place of every file in which a text may stand.
+hostile: $(READY)
+	PLCGEN_HOSTILE=1 $(BIN)/python -m pytest -q tests/test_every_text.py
 
 bench: $(READY)
 	$(BIN)/python -m bench

@@ -14,6 +14,7 @@ from pydantic import Field, ValidationInfo, field_validator
 from plcgen.diagnostics import DiagnosticError, Report
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import read_fault
+from plcgen.input.printed import Name
 from plcgen.input.text import read_text
 from plcgen.input.validation import FileShape, StrictModel, load_document, problem, validate_option
 from plcgen.input.yaml import resolve_plain
@@ -63,7 +64,7 @@ def plan_faults(texts: Sequence[str], file: Path | None, drives: Sequence[str]) 
 class DriveFault(FaultKeys):
     """A fault of ``simulate``: for one drive, or for all."""
 
-    drive: str | None = Field(None, description="this drive only")
+    drive: Name | None = Field(None, description="this drive only")
 
     @field_validator("drive")
     @classmethod

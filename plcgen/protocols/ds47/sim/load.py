@@ -19,6 +19,7 @@ from pydantic import (
     field_validator,
 )
 
+from plcgen.input.printed import Name, Printed
 from plcgen.input.validation import FileShape, Octets, Problems, StrictModel, load_document, problem, unique
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.sim.behaviour import Behaviour
@@ -145,8 +146,8 @@ class Refusal(StrictModel):
     """One entry of ``refuse``."""
 
     error: Byte = Field(description="error number of the answer")
-    while_: tuple[str, ...] = Field((), alias="while", description="states in which it is refused")
-    unless: tuple[str, ...] = Field((), validate_default=True, description="states in which it is not refused")
+    while_: tuple[Name, ...] = Field((), alias="while", description="states in which it is refused")
+    unless: tuple[Name, ...] = Field((), validate_default=True, description="states in which it is not refused")
     read: bool = Field(default=False, description="true refuses reads too")
 
     @field_validator("unless")
@@ -168,7 +169,7 @@ class ParameterKeys(StrictModel):
     type: Annotated[Format, PlainValidator(_format), WithJsonSchema(_TYPES)] = Field(
         description="data type, for example FloatingPoint, Unsigned16, VisibleString"
     )
-    name: str = Field("", description="name in the parameter description")
+    name: Printed = Field("", description="name in the parameter description")
     value: Any = Field(None, description="the value; octets as hexadecimal text")
     values: tuple[Any, ...] | None = Field(
         None, validate_default=True, description="one value for each element of the array"
@@ -176,14 +177,14 @@ class ParameterKeys(StrictModel):
     array: bool | None = Field(None, description="whether the parameter is indexed; true by default with values")
     low: float | None = Field(None, description="lower limit: 02h")
     high: UpperLimit = Field(None, description="upper limit: 02h")
-    state_limits: dict[str, LimitsKeys] = Field(
+    state_limits: dict[Name, LimitsKeys] = Field(
         default_factory=dict, description="narrower limits in a state: C8h, C9h"
     )
     read_only: bool = Field(default=False, description="every write is refused: 01h")
     reset_only: bool = Field(default=False, description="06h for any value but 0")
     allowed: tuple[Any, ...] = Field((), description="the only values taken: 14h")
     refuse: tuple[Refusal, ...] = Field((), description="what is refused, and in which states")
-    texts: tuple[str, ...] = Field((), description="texts of attribute 30h, 16 characters each")
+    texts: tuple[Printed, ...] = Field((), description="texts of attribute 30h, 16 characters each")
     described: bool = Field(default=True, description="false: attribute 20h answers 09h")
     clears_after: Count | None = Field(None, description="ms after which a value that was set returns to 0")
     saves: Literal["object", "unit"] | None = Field(
@@ -284,7 +285,7 @@ class ObjectKeys(StrictModel):
     """One entry of ``objects``."""
 
     number: Byte = Field(description="drive object number")
-    state: str = Field(READY, description="operating state")
+    state: Name = Field(READY, description="operating state")
     parameters: Annotated[tuple[ParameterKeys, ...], unique("pnu", "parameter {} appears twice")] = Field(
         (), description="its parameters"
     )

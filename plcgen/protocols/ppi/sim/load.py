@@ -15,6 +15,7 @@ from pydantic_core import PydanticCustomError
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.diagnostics.suggest import did_you_mean
 from plcgen.input.options import USAGE, usage
+from plcgen.input.printed import Name, Printed
 from plcgen.input.validation import FileShape, Problems, StrictModel, load_document, problem, unique
 from plcgen.input.yaml import YamlNode, resolve_plain
 from plcgen.protocols.ppi.sim.bus import Bus
@@ -154,7 +155,7 @@ class Password(StrictModel):
 class StationKeys(StrictModel):
     """One station."""
 
-    cpu: Annotated[str, BeforeValidator(_cpu), WithJsonSchema(_CPUS)] = Field(
+    cpu: Annotated[Name, BeforeValidator(_cpu), WithJsonSchema(_CPUS)] = Field(
         FIRST_CPU, description="decides the sizes of the areas and the text of SYS"
     )
     address: int = Field(FIRST_ADDRESS, ge=0, le=126, description="address on the line")
@@ -162,7 +163,7 @@ class StationKeys(StrictModel):
     switch: Annotated[Switch, Field(strict=False)] = Field(
         Switch.TERM, description="RUN from outside is refused with 8001h while the switch is in STOP"
     )
-    type: Annotated[str, AfterValidator(_type)] | None = Field(None, description="the first 20 bytes of SYS, ASCII")
+    type: Annotated[Printed, AfterValidator(_type)] | None = Field(None, description="the first 20 bytes of SYS, ASCII")
     pdu: int = Field(
         PDU_LIMIT, ge=LEAST_PDU, le=PDU_LIMIT, description="longest PDU; a master may negotiate a shorter one"
     )
@@ -173,8 +174,8 @@ class StationKeys(StrictModel):
     experimental: bool = Field(
         default=False, description="true executes force, unforce and writing of T and C, which no capture confirms"
     )
-    symbols: dict[str, Any] = Field(default_factory=dict, description="names of addresses")
-    values: dict[str, Any] = Field(default_factory=dict, description="values by address or symbol")
+    symbols: dict[Name, Any] = Field(default_factory=dict, description="names of addresses")
+    values: dict[Name, Any] = Field(default_factory=dict, description="values by address or symbol")
 
     @field_validator("symbols")
     @classmethod
