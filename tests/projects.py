@@ -41,6 +41,7 @@ drives:
     address: 256
     hardware_id: 270
     drive_object: 3
+    object_type: other
     parameters:
       P2890: {{type: Boolean, name: release}}
       P2901: {{type: Integer8, array: 9}}

@@ -24,7 +24,7 @@ parameters:
 KNOWN = """\
   P212: {type: Unsigned16}
   P899: {type: Unsigned16, access: r}
-  P977: {type: Unsigned16, min: 0, max: 1013}
+  P971: {type: Unsigned16, min: 0, max: 1}
   P1210: {type: Integer16, min: 0, max: 16}
   P1240: {type: Integer16, array: 9, min: 0, max: 6}
   P2900: {type: FloatingPoint, array: 9, min: 0.0, max: 90.0}
@@ -48,7 +48,7 @@ FORMS = {
     "read back": ("P1210", "write: {P1210: 4}, verify: readback"),
     "restored": ("P1210", "write: {P1210: 4}, verify: readback, on_error: restore"),
     "restored bits": ("P212", "write: {P212.3: 1}, verify: readback, on_error: restore"),
-    "read back and saved": ("P1210", "write: {P1210: 4}, verify: readback, save: unit"),
+    "read back and saved": ("P1210", "write: {P1210: 4}, verify: readback, save: drive_object"),
     "split": ("P1240", "write: [{parameter: 'P1240[0..1]', value: 1}, {parameter: 'P1240[2..3]', value: 1, as: more}]"),
 }  # fmt: skip
 """Every form of a write, with the number that it writes."""

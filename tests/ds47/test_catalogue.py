@@ -133,11 +133,11 @@ POSITIONER = {2640, 2641, 2649}
 
 
 def test_one_list_has_three_devices() -> None:
-    """G130, G150 and S150: the same rows but for r0964 and the positioner, and the counts that the page tells."""
+    """G130, G150, S150: the same but for r0964, objects of p0925 and the positioner, with the counts of the page."""
     lists = [find_device(f"sinamics-{name}").parameters for name in ("g150", "g130", "s150")]
     rows = [{pnu: replace(one, source="") for pnu, one in known.items()} for known in lists]
-    for other in rows[1:]:
-        assert {pnu for pnu, one in rows[0].items() if other[pnu] != one} == {964}
+    for other, different in ((rows[1], {964}), (rows[2], {925, 964})):
+        assert {pnu for pnu, one in rows[0].items() if other[pnu] != one} == different
     assert rows[0].keys() == rows[1].keys() == rows[2].keys() - POSITIONER
     assert rows[2].keys() >= POSITIONER
     others = [

@@ -22,6 +22,7 @@ from plcgen.protocols.ds47.profile import (
     DriveObjects,
     ParameterEntry,
     ProfileLimits,
+    ProfileObjects,
     RecordIndexes,
     ScalarElements,
 )
@@ -417,7 +418,16 @@ def test_mistakes_in_the_profile_of_a_package_have_a_place(installed: Path, tmp_
 
 def test_every_key_is_on_the_page() -> None:
     """docs/devices.md describes every key of a profile, and nothing that is none."""
-    models = (DeviceProfile, RecordIndexes, DriveObjects, ProfileLimits, Answers, ScalarElements, ParameterEntry)
+    models = (
+        DeviceProfile,
+        RecordIndexes,
+        DriveObjects,
+        ProfileObjects,
+        ProfileLimits,
+        Answers,
+        ScalarElements,
+        ParameterEntry,
+    )
     keys = {info.alias or name for model in models for name, info in model.model_fields.items()}
     section = PAGE[PAGE.index("## A profile of your own") :]
     table = {

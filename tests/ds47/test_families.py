@@ -32,10 +32,10 @@ jobs:
   read: {{drive: axis, read: [r21, "r945[0..7]", P2907]}}
   write: {{drive: axis, write: {{P1120: null, P2907: "010203"}}}}
   bits: {{drive: axis, write: {{P3121.0: null, P3121.2: 1}}}}
-  kept: {{drive: axis, write: {{P1120: null, P3121.1: 1}}, verify: readback, save: unit}}
+  kept: {{drive: axis, write: {{P1120: null, P3121.1: 1}}, verify: readback, save: drive_object}}
   restored: {{drive: axis, write: {{P1121: null, P3121: 3}}, verify: readback, on_error: restore}}
   compare: {{drive: axis, compare: {{P1120: null, P2900: 1.0}}}}
-  save: {{drive: axis, save: drive_object}}
+  save: {{drive: control, save: unit}}
   faults: {{drive: axis, faults: {{history: 2}}}}
   alarms: {{drive: axis, alarms: {{history: 2}}}}
   acknowledge: {{drive: axis, acknowledge: true}}

@@ -12,6 +12,7 @@ from pydantic import AfterValidator, Field
 from plcgen.input.printed import Name, Printed, Value
 from plcgen.input.validation import StrictModel, problem
 from plcgen.protocols.ds47 import guards
+from plcgen.protocols.ds47.objects import CONTROL_UNIT_TYPE, OTHER, kindred, single_types
 from plcgen.protocols.ds47.references import parse_reference
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ Indexes = Annotated[int, Field(ge=1, le=65535)] | DataSets
 Grade: TypeAlias = Literal["read", "inferred", "recalled"]
 """How a fact is known: read in its source, concluded from something else that was read, or from memory."""
 Fact: TypeAlias = Literal[
-    "title", "type", "unit", "access", "array", "min", "max", "default", "bico", "values", "scaling"
+    "title", "type", "unit", "access", "array", "min", "max", "default", "bico", "values", "scaling", "objects"
 ]
 DECIDING: tuple[Fact, ...] = ("array", "min", "max", "default", "values")
 """What decides something about jobs, and therefore counts only if it was read."""
@@ -60,7 +61,8 @@ class Parameter:
     profile says so: ``Device.danger`` knows the numbers too. ``grades`` says how each stated fact is known. Limits,
     factory setting, number of indexes and names of values that were not read decide nothing: they stand in ``doubted``
     alone. ``observed`` is a value that a drive had once; ``values`` are single values by their names; ``scaling`` is
-    the reference of the value in process data, p2000 for example.
+    the reference of the value in process data, p2000 for example; ``objects`` are the types of the drive objects that
+    have it, empty if nobody knows.
     """
 
     pnu: int
@@ -84,6 +86,7 @@ class Parameter:
     doubted: Mapping[Fact, Any] = field(default_factory=dict, compare=False)
     values: Mapping[str, int] = field(default_factory=dict)
     scaling: str = ""
+    objects: frozenset[str] = frozenset()
 
     def read(self, fact: Fact) -> bool:
         """Whether a fact was read in its source."""
@@ -109,10 +112,23 @@ def facts(parameter: Parameter) -> dict[Fact, tuple[Any, Grade]]:
         "bico": parameter.bico or None,
         "values": dict(parameter.values),
         "scaling": parameter.scaling,
+        "objects": sorted(parameter.objects),
     }
     values |= parameter.doubted
-    stated = {fact: value for fact, value in values.items() if value not in (None, "", {})}
+    stated = {fact: value for fact, value in values.items() if value not in (None, "", {}, [])}
     return {fact: (value, parameter.grades.get(fact, "read")) for fact, value in stated.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectTypes:
+    """Types of the drive objects of a unit: number of the control unit, type of the others if nobody says more.
+
+    ``whole`` are the types whose lists were read whole: what they do not name, an object of the type does not have.
+    """
+
+    control_unit: int
+    others: str
+    whole: frozenset[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +140,8 @@ class Device:
     type) or ``size`` (41h/42h/43h). ``scalar_elements`` is the number of elements this device wants in a
     request without an index: (read, write). ``bases`` are the numbers of limits and references, which other values
     are measured by. ``bico`` says whether BICO values carry the drive object, ``like`` from which device those
-    parameters come that the profile does not name.
+    parameters come that the profile does not name. ``object_types`` is None if all parameters are in one drive object,
+    or nobody knows in which.
     """
 
     key: str
@@ -147,6 +164,29 @@ class Device:
     error_table: Table
     parameters: dict[int, Parameter]
     like: str = field(default="", compare=False)
+    object_types: ObjectTypes | None = None
+
+    def object_type(self, number: int) -> str:
+        """Type of a drive object of which only the number is known; empty if the device has no types."""
+        types = self.object_types
+        if types is None:
+            return ""
+        return CONTROL_UNIT_TYPE if number == types.control_unit else types.others
+
+    def lacks(self, pnu: int, object_type: str) -> Literal["surely", "perhaps", ""]:
+        """Whether a drive object of a type has no such parameter.
+
+        ``surely``: its list was read whole; ``perhaps``: lists name it for objects of other groups alone.
+        """
+        known, types = self.parameters.get(pnu), self.object_types
+        if known is None or types is None or not known.objects or object_type in ("", OTHER):
+            return ""
+        own = single_types([object_type])
+        if own & known.objects:
+            return ""
+        if own & types.whole and known.read("objects"):
+            return "surely"
+        return "" if kindred(own) & known.objects else "perhaps"
 
     def danger(self, pnu: int) -> str:
         """Why a write needs a sign-off, whatever a spec says about the parameter; empty if it needs none."""
@@ -183,7 +223,7 @@ def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Pa
     every: tuple[Fact, ...] = get_args(Fact)
     general: Grade = entry.get("grade") or "read"
     own: Mapping[Fact, Grade] = entry.get("facts", {})
-    stated = {fact: entry[fact] for fact in every if entry.get(fact) not in (None, {})}
+    stated = {fact: entry[fact] for fact in every if entry.get(fact) not in (None, {}, ())}
     grades = {fact: own.get(fact, general) for fact in every if fact in stated or fact in {"access", "array"}}
     if entry["type"] == UNKNOWN:
         del grades["type"]
@@ -211,4 +251,5 @@ def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Pa
         doubted=doubted,
         values={} if "values" in doubted else stated.get("values", {}),
         scaling=stated.get("scaling", ""),
+        objects=single_types(stated.get("objects", ())),
     )

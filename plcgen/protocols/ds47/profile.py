@@ -29,11 +29,13 @@ from plcgen.protocols.ds47.device import (
     Device,
     Fact,
     Grade,
+    ObjectTypes,
     Parameter,
     ParameterDef,
     ParameterNumber,
     parameter_from,
 )
+from plcgen.protocols.ds47.objects import ListedType, ObjectType, single_types
 from plcgen.protocols.ds47.references import number_of, parse_reference
 from plcgen.protocols.ds47.types import TypeTextError, read_type
 from plcgen.protocols.ds47.wire import formats
@@ -96,6 +98,14 @@ class DriveObjects(StrictModel):
         return allowed
 
 
+class ProfileObjects(StrictModel):
+    """Types of drive objects, for a device that has several."""
+
+    control_unit: DriveObject = Field(description="number of the control unit")
+    others: ObjectType = Field(description="type of the other drive objects, if the spec says nothing")
+    whole: tuple[ListedType, ...] = Field((), description="types whose lists of parameters were read whole")
+
+
 class ProfileLimits(StrictModel):
     """How much one telegram may hold."""
 
@@ -131,6 +141,7 @@ class ParameterEntry(ParameterDef):
     observed: Value | None = Field(None, description="a value that a drive had; not its factory setting")
     scaling: Name | None = Field(None, description="reference of its value in process data, for example p2000")
     changeable: Line | None = Field(None, description="states in which the drive takes a write")
+    objects: tuple[ListedType, ...] = Field((), description="types of drive objects that have it; absent: unknown")
     note: Line | None = None
 
     @field_validator("type")
@@ -245,6 +256,7 @@ class DeviceProfile(StrictModel):
     source: Line = Field(description="manuals that say so")
     record_index: RecordIndexes = Field(description="data records that carry parameter jobs")
     drive_object: DriveObjects = Field(description="numbers of drive objects")
+    object_types: ProfileObjects | None = Field(None, description="types of drive objects, if it has several")
     limits: ProfileLimits = Field(ProfileLimits(), description="how much one telegram may hold")
     answers: Answers = Field(Answers(), description="how the device answers")
     scalar_elements: ScalarElements = Field(ScalarElements(), description="elements in a request without an index")
@@ -316,6 +328,7 @@ class DeviceProfile(StrictModel):
             bases=self.bases,
             bico=self.bico,
             error_table=self.error_table,
+            object_types=None if self.object_types is None else _object_types(self.object_types),
             parameters={found.pnu: found for found in itertools.starmap(self._parameter, self.parameters.items())},
         )
 
@@ -324,6 +337,10 @@ class DeviceProfile(StrictModel):
         given = {"source": self.source} | entry.model_dump(exclude_none=True)
         given["source"] = self.sources.get(given["source"], given["source"])
         return parameter_from(pnu, given, read_only=bool(guards.why_read_only(key, pnu)))
+
+
+def _object_types(said: ProfileObjects) -> ObjectTypes:
+    return ObjectTypes(said.control_unit, said.others, single_types(said.whole))
 
 
 PROFILE = FileShape(

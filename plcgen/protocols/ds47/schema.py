@@ -32,6 +32,7 @@ from plcgen.protocols.ds47.device import Parameter, ParameterDef, ParameterNumbe
 from plcgen.protocols.ds47.devices import named_parameters, offer_names
 from plcgen.protocols.ds47.kinds.kind import JobKind, ReadItem, WriteItem
 from plcgen.protocols.ds47.kinds.registry import GROUP, kinds
+from plcgen.protocols.ds47.objects import ObjectType
 from plcgen.protocols.ds47.recipes import RecipeEntry
 from plcgen.protocols.ds47.wire.formats import format_names
 
@@ -76,6 +77,9 @@ class DriveSettings(StrictModel):
         None, description="hardware identifier (S7-1200/1500), 1..65535, or the name of its system constant"
     )
     drive_object: int | None = Field(None, ge=0, le=255, description="drive object / axis; default of the device")
+    object_type: ObjectType | None = Field(
+        None, description="type of the drive object, where its number does not say it: vector, a_inf, tm31, .."
+    )
     parameters: dict[Name, ParameterDef] = Field(default_factory=dict, description="parameters outside the catalogue")
     comment: Text | None = Field(None, description=COMMENT)
 

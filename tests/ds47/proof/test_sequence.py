@@ -21,6 +21,7 @@ drives:
     device: sinamics-s120
     ID: 281
     drive_object: 3
+    object_type: other
     parameters: {P10: {type: Integer16}, r722: {type: Unsigned32}, P2900: {type: FloatingPoint}}
 jobs:
   steps:

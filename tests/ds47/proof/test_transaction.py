@@ -169,7 +169,12 @@ def test_what_papers_say(generate) -> None:
 
 KINDS = """
 plc: {name: Kinds, family: s7-1500, toolchain: tia-v19}
-drives: {axis: {device: sinamics-s120, hardware_id: 281, parameters: {P3121: {type: Unsigned16, min: 0, max: 15}}}}
+drives:
+  axis:
+    device: sinamics-s120
+    hardware_id: 281
+    object_type: other
+    parameters: {P3121: {type: Unsigned16, min: 0, max: 15}}
 recipes: {spool: {parameters: [P1120, P1121], records: 2}}
 jobs:
   bits:

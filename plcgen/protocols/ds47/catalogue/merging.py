@@ -180,6 +180,13 @@ def profile_text(device: Device) -> str:
         "bico": device.bico,
         "error_table": device.error_table,
     }
+    types = device.object_types
+    if types is not None:
+        head["object_types"] = {
+            "control_unit": types.control_unit,
+            "others": types.others,
+            "whole": sorted(types.whole),
+        }
     lines = [f"{key}: {_flow(value)}" for key, value in head.items()]
     rows = [f"  {_key(one)}: {_flow(_row(one))}" for _, one in sorted(device.parameters.items())]
     return "\n".join([*lines, "parameters:" if rows else "parameters: {}", *rows]) + "\n"

@@ -80,4 +80,6 @@ def told_value(value: Any) -> str:
     """A fact for people; the names of values as ``20 = speed_control``."""
     if isinstance(value, Mapping):
         return ", ".join(f"{number} = {name}" for name, number in value.items())
+    if isinstance(value, list):
+        return ", ".join(value)
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -47,13 +47,15 @@ class PlannedDrive(Link):
     """A drive as the blocks address it.
 
     ``id_value`` is the ID of WRREC/RDREC, bit 15 included; where the spec names a system constant, ``id_name`` is its
-    name and ``id_value`` a number that stands for it here.
+    name and ``id_value`` a number that stands for it here. ``object_type`` is that of its drive object, empty for a
+    device that has one type only.
     """
 
     unit: PlannedUnit
     id_value: int
     id_name: str
     drive_object: int
+    object_type: str
 
     @property
     def device(self) -> Device:

@@ -80,6 +80,7 @@ class _Planner:
                 id_value=id_value,
                 id_name=id_name,
                 drive_object=number,
+                object_type=placed.drive.object_type or unit.device.object_type(number),
                 comment=placed.drive.comment or {},
                 path=placed.path,
             )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from plcgen.protocols.base import Rules
-from plcgen.protocols.ds47.rules import drives, inputs, members, names, parameters, readback, saves, telegrams
+from plcgen.protocols.ds47.rules import drives, inputs, members, names, objects, parameters, readback, saves, telegrams
 
 RULES = Rules(
     checks=(
@@ -14,6 +14,8 @@ RULES = Rules(
         drives.shared_address,
         drives.separate_objects,
         drives.engine_places,
+        objects.no_types,
+        objects.missing,
         parameters.definitions,
         parameters.access,
         parameters.repeated,

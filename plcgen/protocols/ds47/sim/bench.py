@@ -22,8 +22,13 @@ SAVING_MS = 300
 
 def build_drive(plan: DrivePlan, drive: PlannedDrive, faults: Iterable[Fault] = (), *, distinct: bool = False) -> Drive:
     """A drive with the profile's behaviour. ``distinct`` gives every value another content."""
-    uses = [use for job in plan.jobs if job.drive is drive for use in job.own]
-    return build_unit(drive.device, {drive.drive_object: uses}, faults, distinct=distinct)
+    return build_unit(drive.device, {drive.drive_object: used_of(plan, drive)}, faults, distinct=distinct)
+
+
+def used_of(plan: DrivePlan, drive: PlannedDrive) -> list[Use]:
+    """What the jobs use of a drive object, but for what it does not have: it answers 00h."""
+    uses = (use for job in plan.jobs if job.drive is drive for use in job.own)
+    return [use for use in uses if drive.device.lacks(use.parameter.pnu, drive.object_type) != "surely"]
 
 
 def build_unit(
