@@ -47,11 +47,18 @@ class JobReader:
         type_ = item.settings.get("type")
         return replace(found, facts={**found.facts, "type": type_}) if type_ else found
 
+    def name(self, item: SpecItem, parameter: WrittenParameter) -> str:
+        """Name of an input or output, with the index if it is a single one."""
+        if item.settings.get("as"):
+            return str(item.settings["as"])
+        single = parameter.indexed and parameter.count == 1
+        return camel(parameter.name) + (f"Index{parameter.first}" if single else "")
+
     def reads(self, item: SpecItem, output: str | None = None) -> StatedAccess:
         """The item is read."""
         parameter = self.parameter(item)
-        name = item.settings.get("as") or camel(parameter.name)
-        return self.access(item, parameter, write=False, output=name if output is None else output)
+        name = self.name(item, parameter) if output is None else output
+        return self.access(item, parameter, write=False, output=name)
 
     def writes(self, item: SpecItem) -> StatedAccess:
         """The item is written: constants, or an input."""
@@ -61,7 +68,7 @@ class JobReader:
 
     def wanted(self, item: SpecItem, parameter: WrittenParameter, name: str = "") -> tuple[Source, ...]:
         """The values of an item: constants, or those of an input."""
-        input_ = name or item.settings.get("as") or camel(parameter.name)
+        input_ = name or self.name(item, parameter)
         return sources_of(parameter, item.value, self.drive.profile, input_, item.settings.get("start"))
 
     def access(self, item: SpecItem, parameter: WrittenParameter, *, write: bool, output: str) -> StatedAccess:

@@ -68,7 +68,7 @@ def sources_of(
     begin = start_of(parameter, start, profile)
     if length:
         return tuple(FromInput(name, index, begin[0]) for index in range(length))
-    if count == 1 and not _is_range(parameter):
+    if count == 1:
         return (FromInput(name, None, begin[0]),)
     return tuple(FromInput(name, parameter.first + at, begin[at]) for at in range(count))
 
@@ -79,10 +79,6 @@ def start_of(parameter: WrittenParameter, start: Any, profile: Mapping[str, Any]
     if given is None:
         given = "" if string_octets(parameter.type) else 0
     return [number_meant(one, parameter, profile) for one in _spread(given, parameter.count)]
-
-
-def _is_range(parameter: WrittenParameter) -> bool:
-    return ".." in parameter.text
 
 
 def _spread(given: Any, count: int) -> list[Any]:

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from plcgen.oracles.spec.ds47.accesses import JobReader, SpecItem, camel, items
+from plcgen.oracles.spec.ds47.accesses import JobReader, SpecItem, items
 from plcgen.oracles.spec.ds47.kinds.write import writing
 from plcgen.oracles.spec.ds47.parameters import WrittenParameter
 from plcgen.oracles.spec.ds47.statement import FromRecord, Number, Source, StatedAccess, StatedStep
@@ -56,7 +56,7 @@ def _members(job: JobReader, service: str) -> Iterator[tuple[StatedAccess, tuple
     named = list(given.values()) if isinstance(given, Mapping) else [{}] * int(given)
     for item in items(recipe["parameters"], job.source, ("recipes", key, "parameters")):
         parameter = job.parameter(item)
-        name = item.settings.get("as") or camel(parameter.name)
+        name = job.name(item, parameter)
         access = job.access(item, parameter, write=service == "write", output="")
         yield access, _values(job, item, parameter, key, name, named), name
 
@@ -71,7 +71,7 @@ def _values(
 ) -> tuple[Source, ...]:
     delivered = [_delivered(job, item, parameter, name, record) for record in records]
     low, high = parameter.facts.get("min"), parameter.facts.get("max")
-    whole = parameter.count == 1 and ".." not in item.text
+    whole = parameter.count == 1
     return tuple(
         FromRecord(recipe, name, None if whole else parameter.first + at, tuple(v[at] for v in delivered), low, high)
         for at in range(parameter.count)

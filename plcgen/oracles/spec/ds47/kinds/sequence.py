@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from plcgen.oracles.spec.ds47.accesses import JobReader, SpecItem, camel
+from plcgen.oracles.spec.ds47.accesses import JobReader, SpecItem
 from plcgen.oracles.spec.ds47.kinds.write import TRIGGERS, accesses
 from plcgen.oracles.spec.ds47.statement import FromInput, StatedAccess, StatedCondition, StatedStep
 from plcgen.oracles.spec.ds47.times import milliseconds
@@ -17,6 +17,7 @@ from plcgen.oracles.spec.place import Keys
 TIMEOUT_MS, INTERVAL_MS = 10_000, 500
 NOT_REACHED = 0x8510
 TIMES = frozenset({"timeout", "interval"})
+"""Keys in ``until`` that are no conditions."""
 _COMPARISON = re.compile(r"(<>|<=|>=|=|<|>)\s*(.+)")
 _LINE = re.compile(r"([^<>=]+?)\s*(<>|<=|>=|=|<|>)\s*(.+)")
 
@@ -63,7 +64,7 @@ def _waiting(job: JobReader, until: Any, number: int) -> StatedStep:
         parameter = job.parameter(item)
         relation, value = _relation(given)
         bit = "" if parameter.bit is None else f"Bit{parameter.bit}"
-        access = job.access(item, parameter, write=False, output=f"{camel(parameter.name)}{bit}Step{number}")
+        access = job.access(item, parameter, write=False, output=f"{job.name(item, parameter)}{bit}Step{number}")
         wanted = number_meant(value, parameter, job.drive.profile)
         conditions.append(
             StatedCondition(len(asked), relation, float(wanted) if isinstance(wanted, str) else wanted, parameter.bit)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from plcgen.oracles.spec.ds47.accesses import JobReader, SpecItem, camel
+from plcgen.oracles.spec.ds47.accesses import JobReader, SpecItem
 from plcgen.oracles.spec.ds47.kinds import save
 from plcgen.oracles.spec.ds47.settings import restores
 from plcgen.oracles.spec.ds47.statement import Source, StatedAccess, StatedStep
@@ -32,15 +32,17 @@ def accesses(job: JobReader, items: Sequence[SpecItem]) -> list[tuple[StatedAcce
     for item in items:
         parameter = job.parameter(item)
         if parameter.bit is None:
-            found.append((job.writes(item), item.settings.get("as") or camel(parameter.name)))
+            found.append((job.writes(item), job.name(item, parameter)))
             continue
-        name = item.settings.get("as") or f"{camel(parameter.name)}Bit{parameter.bit}"
+        bit = item.settings.get("as") or f"{job.name(item, parameter)}Bit{parameter.bit}"
         start = item.settings.get("start", 0 if item.value is None else None)
-        given = job.wanted(replace(item, settings={**item.settings, "start": start}), parameter, name)
+        given = job.wanted(replace(item, settings={**item.settings, "start": start}), parameter, bit)
         at = words.setdefault((parameter.number, parameter.first), len(found))
         if at == len(found):
             word = job.access(item, parameter, write=True, output="")
-            found.append((replace(word, written=item.text.rpartition(".")[0]), camel(parameter.name)))
+            found.append(
+                (replace(word, written=item.text.rpartition(".")[0]), job.name(replace(item, settings={}), parameter))
+            )
         word, kept = found[at]
         found[at] = replace(word, bits=(*word.bits, (parameter.bit, given[0]))), kept
     return found
