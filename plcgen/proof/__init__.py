@@ -18,8 +18,10 @@ from plcgen.proof.effort import Faults
 if TYPE_CHECKING:
     from plcgen.project.nouns import Project
     from plcgen.proof.cache import VerdictCache
+    from plcgen.proof.rig import ProgramBench
     from plcgen.proof.shards import ShardResult
     from plcgen.proof.sharing import Shard, Sharing
+    from plcgen.proof.suite import Proof
 
 Progress = Callable[[str, int, int], None]
 
@@ -143,12 +145,23 @@ def _inputs(asked: Asked, project: Project) -> str:
     return inputs_digest(things, asked.folder)
 
 
+def stated_group(proofs: Sequence[Proof], bench: ProgramBench) -> list[CheckGroup]:
+    """What the files do against what the spec demands; nothing if they do not compile, which is said elsewhere."""
+    try:
+        program = bench.program
+    except DiagnosticError:
+        return []
+    checks = tuple(check for proof in proofs for check in proof.stated(program))
+    return [CheckGroup("spec", "Spec", checks)] if checks else []
+
+
 def _verify(asked: Asked, progress: Progress | None, means: Means, report: Report) -> Verification:
     from plcgen.proof.delivery import delivered
     from plcgen.proof.execution import check_execution
     from plcgen.proof.folder import read_folder
     from plcgen.proof.layouts import check_layout
     from plcgen.proof.ledger import LAYOUT
+    from plcgen.proof.rig import ProgramBench
     from plcgen.proof.second_layout import check_second_layout
 
     project, folder, partner = _opened(asked, report), asked.folder, asked.drive
@@ -170,7 +183,9 @@ def _verify(asked: Asked, progress: Progress | None, means: Means, report: Repor
         CheckGroup("oracles", "Independent oracles", oracles),
     ]
     del files
-    executed = check_execution(project, folder, asked.faults, share, partner=partner, engine=asked.engine)
+    bench = ProgramBench(project, folder)
+    groups += stated_group(proofs, bench)
+    executed = check_execution(project, folder, asked.faults, share, partner=partner, engine=asked.engine, bench=bench)
     groups.append(CheckGroup("execution", "Execution", tuple(executed)))
     if cache is not None:
         cache.close()

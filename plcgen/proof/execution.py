@@ -77,14 +77,15 @@ def check_execution(
     partner: Path | None = None,
     *,
     engine: bool = False,
+    bench: ProgramBench | None = None,
 ) -> Iterator[Check]:
-    """Run every job of the files on disk; ``share`` None uses every core.
+    """Run every job of the files on disk; ``share`` None uses every core, ``bench`` has the program if it is read.
 
     ``partner`` is the user's file of a partner: every job runs once against it too. ``engine`` runs what is the same in
     every project even if it is known to hold.
     """
     share = share or Sharing()
-    work = Work(ProgramBench(project, folder), level)
+    work = Work(bench or ProgramBench(project, folder), level)
     try:
         program = work.bench.program
     except DiagnosticError as problem:

@@ -186,6 +186,9 @@ class Proof(Protocol):
     def oracles(self, folder: Folder, *, dissector: bool) -> Iterator[Check]:
         """What somebody else says about the telegrams; ``dissector`` asks a program that is not plcgen's."""
 
+    def stated(self, program: Program) -> Iterator[Check]:
+        """What the files do against what the spec demands, stated apart from the plan."""
+
     def ledger(self) -> Iterator[Assumption]:
         """Every assumption that the rest goes by."""
 

@@ -26,6 +26,13 @@ KIND = JobKind(
     items=lambda _: (ReadItem(parameter="r0964[0..2]", type="Unsigned16"),),
 )
 """
+STATEMENT = """
+from plcgen.oracles.spec.ds47.statement import StatedStep
+
+
+def steps(job):
+    yield StatedStep("reads", (job.reads(job.fixed("r0964[0..2]", "Unsigned16")),))
+"""
 SPEC = """
 plc: {name: Toy, family: s7-1500, toolchain: tia-v17}
 drives: {fan: {device: sinamics-g120, hardware_id: 270}}
@@ -49,10 +56,22 @@ def test_a_kind_becomes_a_telegram(toy: Path) -> None:
     assert plan.jobs[0].telegrams[0].request.data.hex(" ") == "01 01 01 01 10 03 03 c4 00 00"
 
 
-def test_a_kind_is_generated_and_verified(toy: Path, tmp_path: Path) -> None:
-    """From the spec to the run in the soft CPU."""
+def test_a_kind_is_generated_and_verified(toy: Path, tmp_path: Path, distribution) -> None:
+    """From the spec to the run in the soft CPU; a kind about which nobody says what it demands is not stated."""
     assert api.generate(toy, tmp_path / "out").ok
+    found = api.verify(toy, tmp_path / "out", faults="none")
+    assert [(check.id, check.verdict) for check in found.checks() if check.diagnostic] == [("spec.who", "not stated")]
+    distribution("toy_statement", "plcgen.statements", "identify = toy_statement:steps", STATEMENT)
     assert api.verify(toy, tmp_path / "out", faults="none").ok
+
+
+def test_a_wrong_kind_does_not_keep_its_statement(toy: Path, tmp_path: Path, distribution) -> None:
+    """PG641 where the spec has the job: the toy reads r0964, its statement says r0965."""
+    distribution("toy_statement", "plcgen.statements", "identify = toy_statement:steps", STATEMENT.replace("64", "65"))
+    assert api.generate(toy, tmp_path / "out").ok
+    (found,) = api.verify(toy, tmp_path / "out", faults="none").problems
+    assert (found.code, found.span.line) == ("PG641", 4)
+    assert "a read of 965" in found.message
 
 
 @pytest.mark.usefixtures("toy")
@@ -73,6 +92,15 @@ from plcgen.protocols.ds47.kinds.activate import ACTIVATE
 
 KIND = replace(ACTIVATE, key="take_part")
 """
+ITS_STATEMENT = """
+from dataclasses import replace
+
+from plcgen.oracles.spec.ds47.kinds.activate import activate_steps
+
+
+def steps(job):
+    return activate_steps(replace(job, job={**job.job, "activate": job.job["take_part"]}))
+"""
 ACTIVATING = """
 plc: {name: Toy, family: s7-1500, toolchain: tia-v17}
 drives: {axis: {device: sinamics-s120, drive_object: 3, hardware_id: 270}}
@@ -84,6 +112,7 @@ jobs: {part: {drive: axis, %s: %s}}
 def test_what_a_shipped_kind_can_do_a_kind_of_others_can(distribution, tmp_path: Path, state: str) -> None:
     """The same under another key is signed off, titled and noted alike: nothing depends on what a kind is called."""
     distribution("toy_kind", "plcgen.kinds", "take_part = toy_kind:KIND", LIKE_ACTIVATE)
+    distribution("toy_statement", "plcgen.statements", "take_part = toy_statement:steps", ITS_STATEMENT)
     found = []
     for key in ("activate", "take_part"):
         spec, out = tmp_path / f"{key}.yaml", tmp_path / key

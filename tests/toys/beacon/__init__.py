@@ -107,6 +107,10 @@ class BeaconProof:
     def exchanges(self, folder, partner, progress):
         """No lamp is simulated."""
 
+    def stated(self, program):  # noqa: ARG002 - the face
+        """Nobody says what a lamp must do."""
+        return ()
+
     def oracles(self, folder, *, dissector):  # noqa: ARG002 - the face
         """Nobody else is asked."""
         return iter(())

@@ -60,7 +60,7 @@ def no_answers(_step: int, _question: int) -> None:
 
 
 @dataclass
-class Course:
+class StatedCourse:
     """One run: ``identifier`` is what stands in the ID, ``held`` what the device has, ``answers`` what it says.
 
     ``done`` of a question tells whether the answer is the one that is waited for.
@@ -107,7 +107,7 @@ class Course:
         """A request; what it is answered with instead of what the device holds."""
         self._check_drive(telegram)
         if self.over:
-            self.differ(self.job.place, "no more request", shown(telegram))
+            self.differ(self.job.place, "no more request", heard_text(telegram))
             return {}
         self._telegram = telegram
         step = self.steps[self.step]
@@ -132,7 +132,7 @@ class Course:
         for heard in telegram.accesses:
             for at, index in enumerate(heard.indexes):
                 if self.over or (self.steps[self.step].number and self.step != first):
-                    self.differ(self.job.place, "a telegram of its own for each step", shown(telegram))
+                    self.differ(self.job.place, "a telegram of its own for each step", heard_text(telegram))
                     return instead
                 step, here = self.steps[self.step], self.step
                 value = self._next(heard, index, step, telegram)
@@ -146,7 +146,7 @@ class Course:
 
     def _end(self, step: StatedStep, telegram: HeardTelegram, first: int) -> None:
         if step.together and len(self.asked[self.step]) > 1:
-            self.differ(step.accesses[0].place, "all of it in one telegram", shown(telegram))
+            self.differ(step.accesses[0].place, "all of it in one telegram", heard_text(telegram))
         self._begin(self.step + 1)
         if not self.over and self.step > first:
             self.asked.setdefault(self.step, [])
@@ -198,7 +198,7 @@ class Course:
         """What must be written: octets of a text, the word with its bits, or the value."""
         if access.bits:
             key = (self.job.drive.drive_object, access.number, access.index)
-            return with_bits(access, self.held(key), self.supplied)
+            return word_with_bits(access, self.held(key), self.supplied)
         return value_bytes(access, at, self.supplied)
 
     def _answer(self, step: int, value: _Value) -> Mapping[Key, bytes]:
@@ -215,7 +215,9 @@ class Course:
         wanted = {(value.access.number, value.index): value for value in self._values(step)}
         heard = {(access.number, index): access for access in telegram.accesses for index in access.indexes}
         if telegram.write or set(heard) != set(wanted):
-            self.differ(step.accesses[0].place, f"a question for {'; '.join(map(str, step.accesses))}", shown(telegram))
+            self.differ(
+                step.accesses[0].place, f"a question for {'; '.join(map(str, step.accesses))}", heard_text(telegram)
+            )
             return {}
         for place, value in wanted.items():
             self._check_address(value.access, heard[place])
@@ -237,7 +239,7 @@ class Course:
         found = []
         for at in range(access.count):
             telegram = self.brought.get((step, number, at))
-            found.append(answered(telegram, access, at) if telegram is not None else b"")
+            found.append(answer_to(telegram, access, at) if telegram is not None else b"")
         return found
 
     def missing(self) -> None:
@@ -248,7 +250,7 @@ class Course:
             self.differ(step.accesses[0].place, expected, "no request")
 
 
-def answered(telegram: HeardTelegram, access: StatedAccess, at: int) -> bytes:
+def answer_to(telegram: HeardTelegram, access: StatedAccess, at: int) -> bytes:
     """The answer to one value."""
     for heard, data in zip(telegram.accesses, telegram.answered, strict=False):
         place = access.index + at - heard.index
@@ -285,7 +287,7 @@ def number_of_source(source: Source, supplied: Supplied) -> Number | bytes:
     return supplied[source]
 
 
-def with_bits(access: StatedAccess, word: bytes, supplied: Supplied) -> bytes:
+def word_with_bits(access: StatedAccess, word: bytes, supplied: Supplied) -> bytes:
     """The word with the bits of an access, counted from 0 at the right."""
     number = int.from_bytes(word)
     for bit, source in access.bits:
@@ -312,7 +314,7 @@ def number_shown(type_: str, data: bytes) -> str:
     return f"{number}" if is_signed(type_) or isinstance(number, float) else f"{number} (16#{number:X})"
 
 
-def shown(telegram: HeardTelegram) -> str:
+def heard_text(telegram: HeardTelegram) -> str:
     """A request in words."""
     service = "writes" if telegram.write else "reads"
     names = ", ".join(f"{a.number}[{a.index}]{f' x{a.elements}' if a.elements > 1 else ''}" for a in telegram.accesses)

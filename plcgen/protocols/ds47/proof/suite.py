@@ -41,6 +41,7 @@ from plcgen.protocols.ds47.proof.scenario import DriveScenario
 from plcgen.protocols.ds47.proof.scenarios import STATE_CONFLICT, fault_matrix, polls
 from plcgen.protocols.ds47.proof.second import fact_checks, second_checks
 from plcgen.protocols.ds47.proof.sections import PlantSection
+from plcgen.protocols.ds47.proof.stated.checks import stated_checks
 from plcgen.protocols.ds47.proof.together import left_out_together, procedures
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.sources.generated import generated_sources
@@ -97,6 +98,12 @@ class DriveProof:
             yield from dissected_checks(self.plan, folder)
         elif self.plan.jobs:
             yield Check("wireshark", "Wireshark", "", Outcome.NOT_RUN, "not run: only with --oracle tshark")
+
+    def stated(self, program: Program) -> Iterator[Check]:
+        """What the files do against what the spec demands, stated apart from the plan."""
+        if self.plan.jobs:
+            loaded = self.plan.loaded
+            yield from stated_checks(loaded, program, self.constants(), loaded.spec.plc.family)
 
     def ledger(self) -> Iterator[Assumption]:
         """What documents say about devices, telegrams and parameters."""

@@ -76,6 +76,10 @@ class PpiProof:
     def exchanges(self, folder: Folder, partner: Path | None, progress: Progress | None) -> CheckGroup | None:
         """Stations are only met by the block as a whole."""
 
+    def stated(self, program: Program) -> Iterator[Check]:
+        """Procedures of the suite do that."""
+        return iter(())
+
     def oracles(self, folder: Folder, *, dissector: bool) -> Iterator[Check]:
         """Nobody else is asked."""
         return iter(())

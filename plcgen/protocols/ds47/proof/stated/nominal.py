@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from plcgen.oracles.spec.ds47.boundaries import Answer, failing, meeting, nearest
-from plcgen.oracles.spec.ds47.course import Course, Difference, value_bytes
+from plcgen.oracles.spec.ds47.course import Difference, StatedCourse, value_bytes
 from plcgen.oracles.spec.ds47.recorder import HeardTelegram
-from plcgen.oracles.spec.ds47.statement import Number, Source, StatedAccess, StatedJob, StatedStep
+from plcgen.oracles.spec.ds47.statement import FromInput, Number, Source, StatedAccess, StatedJob, StatedStep
 from plcgen.oracles.spec.ds47.types import packed, unpacked
 from plcgen.protocols.ds47.proof.stated.outputs import (
     deviation_differences,
@@ -18,7 +18,7 @@ from plcgen.protocols.ds47.proof.stated.outputs import (
     record_differences,
 )
 from plcgen.protocols.ds47.proof.stated.rig import DONE, StatedRig, StatedRun, idle_scan
-from plcgen.protocols.ds47.proof.stated.supply import Supply, Unique, bit_inputs
+from plcgen.protocols.ds47.proof.stated.supply import Supply, Unique, two_valued
 
 RUNS_BITS = 0x0804
 """Bits 2 and 11 of r0899: the drive runs."""
@@ -28,10 +28,12 @@ PRESENT = (3, 8, 0, 5, 1)
 SCANS_LATE = 8
 """So many scans after it is due a question may come: the job asks for the unit, and the telegram takes its way."""
 GROUP = 8
+STATES = (0, 2)
+"""What an input may stand at that decides what is waited for, besides 1."""
 
 
 @dataclass
-class Trial:
+class NominalRun:
     """One nominal run of a job, and what it found."""
 
     rig: StatedRig
@@ -49,7 +51,7 @@ class Trial:
     def run(self) -> StatedRun:
         """What is to be run; the findings come when it has ended."""
         supplied: dict[Source, Number | bytes] = {}
-        course = Course(
+        course = StatedCourse(
             self.job,
             self.job.steps,
             self.rig.identifiers[self.job.drive.key],
@@ -64,7 +66,7 @@ class Trial:
             supplied.update(self.supply.draw(self.bits))
             self.supply.store()
             self.differences += self.supply.missing
-            fill(self.rig, self.job, self.supply.unique)
+            fill_device(self.rig, self.job, self.supply.unique)
             if self.job.kind in {"compare", "compare_recipe"}:
                 self._put_beside(supplied)
 
@@ -87,10 +89,12 @@ class Trial:
         for access in self.job.steps[0].accesses:
             for at in range(access.count):
                 wanted = unpacked(access.type, value_bytes(access, at, supplied))
-                data = packed(access.type, beside(access, wanted, self.beside))
+                data = packed(access.type, value_beside(access, wanted, self.beside))
                 values[self.job.drive.drive_object, access.number, access.index + at] = data
 
-    def _found(self, run: StatedRun, course: Course, supplied: Mapping[Source, Number | bytes]) -> Iterator[Difference]:
+    def _found(
+        self, run: StatedRun, course: StatedCourse, supplied: Mapping[Source, Number | bytes]
+    ) -> Iterator[Difference]:
         yield from self.rig.missing(run)
         if run.status != DONE:
             if not course.differences:
@@ -107,21 +111,21 @@ class Trial:
         yield from message_differences(self.rig, self.job, course)
 
 
-def without_lists(course: Course) -> Course:
+def without_lists(course: StatedCourse) -> StatedCourse:
     """A job that reads into a record shows nothing else."""
     if course.job.kind != "read_recipe":
         return course
     return replace(course, steps=())
 
 
-def beside(access: StatedAccess, wanted: Number, units: int) -> Number:
+def value_beside(access: StatedAccess, wanted: Number, units: int) -> Number:
     """A value so many units in the last place away: floating-point numbers one unit apart count as equal."""
     if isinstance(wanted, float):
         return nearest(access.type, wanted, 2 if units else 1)
     return nearest(access.type, wanted, 1 if units else 0)
 
 
-def question_times(course: Course) -> Iterator[Difference]:
+def question_times(course: StatedCourse) -> Iterator[Difference]:
     """From one question to the next passes the interval, and not much more."""
     late = SCANS_LATE * idle_scan(course.job)
     for number, step in enumerate(course.steps):
@@ -136,7 +140,7 @@ def question_times(course: Course) -> Iterator[Difference]:
                 return
 
 
-def fill(rig: StatedRig, job: StatedJob, unique: Unique) -> None:
+def fill_device(rig: StatedRig, job: StatedJob, unique: Unique) -> None:
     """Another value of everything that the job touches; the drive stands still, no message is left."""
     values = rig.units[job.drive.unit].values
     owner = job.drive.drive_object
@@ -169,23 +173,23 @@ def _messages(values: dict[tuple[int, int, int], bytes], job: StatedJob, unique:
 # --- which runs -----------------------------------------------------------------------------------------------
 
 
-def trials(rig: StatedRig, job: StatedJob, unique: Unique, *, first: bool) -> Iterator[Trial]:
+def trials(rig: StatedRig, job: StatedJob, unique: Unique, *, first: bool) -> Iterator[NominalRun]:
     """One run of every instance; of the first one of a job also what else decides."""
-    supply = Supply(rig, job, unique)
+    chosen = any(isinstance(c.value, FromInput) for step in job.steps for c in step.until)
+    supply = Chosen(rig, job, unique) if chosen else Supply(rig, job, unique)
     chunks = list(answers_that_miss(job))
-    yield Trial(rig, job, supply, no=chunks[0] if chunks else {}, record=min(2, max(1, job.records)))
+    yield NominalRun(rig, job, supply, no=chunks[0] if chunks else {}, record=min(2, max(1, job.records)))
     if not first:
         return
     for missed in chunks[1:]:
-        yield Trial(rig, job, supply, no=missed)
+        yield NominalRun(rig, job, supply, no=missed)
     if job.kind in {"compare", "compare_recipe"}:
-        yield Trial(rig, job, supply, beside=0)
+        yield NominalRun(rig, job, supply, beside=0)
     for number in {1, job.records} - {2} if job.records else ():
-        yield Trial(rig, job, supply, record=number)
+        yield NominalRun(rig, job, supply, record=number)
     for bits in bit_patterns(job):
-        yield Trial(rig, job, supply, bits=bits)
-    if any(step.until and not isinstance(c.value, int | float) for step in job.steps for c in step.until):
-        yield from (Trial(rig, job, Chosen(rig, job, unique, state=state)) for state in (0, 1, 2))
+        yield NominalRun(rig, job, supply, bits=bits)
+    yield from (NominalRun(rig, job, Chosen(rig, job, unique, state=state)) for state in STATES if chosen)
 
 
 @dataclass
@@ -203,7 +207,7 @@ class Chosen(Supply):
 
 def bit_patterns(job: StatedJob) -> Iterator[Mapping[Source, int]]:
     """All FALSE, all TRUE, then each two of them differ in one pattern at least, and in its opposite."""
-    inputs = bit_inputs(job)
+    inputs = two_valued(job)
     if not inputs:
         return
     yield dict.fromkeys(inputs, 0)

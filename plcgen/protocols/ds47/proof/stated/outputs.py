@@ -6,7 +6,7 @@ import struct
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from plcgen.oracles.spec.ds47.course import Course, Difference, value_bytes
+from plcgen.oracles.spec.ds47.course import Difference, StatedCourse, value_bytes
 from plcgen.oracles.spec.ds47.statement import FromRecord, Number, StatedAccess, StatedJob, StatedList
 from plcgen.oracles.spec.ds47.types import packed, unpacked
 from plcgen.protocols.ds47.proof.stated.rig import StatedRig, record_path
@@ -36,7 +36,7 @@ def expected_numbers(rig: StatedRig, path: str, access: StatedAccess, data: list
     return [n & ((1 << 8 * access.size) - 1) if pattern and isinstance(n, int) else n for n in numbers]
 
 
-def output_differences(rig: StatedRig, job: StatedJob, course: Course) -> Iterator[Difference]:
+def output_differences(rig: StatedRig, job: StatedJob, course: StatedCourse) -> Iterator[Difference]:
     """Outputs that do not show what the device answered."""
     for step_number, step in enumerate(course.steps):
         for number, access in enumerate(step.accesses):
@@ -52,10 +52,10 @@ def _output(rig: StatedRig, path: str, access: StatedAccess, data: list[bytes]) 
         yield Difference(access.place, f"an output {path} for {access.written}", "none")
         return
     if found != wanted:
-        yield Difference(access.place, f"{path} = {listed(wanted)}", listed(found))
+        yield Difference(access.place, f"{path} = {few_shown(wanted)}", few_shown(found))
 
 
-def listed(values: list[Number | str]) -> str:
+def few_shown(values: list[Number | str]) -> str:
     """A few values."""
     shown = ", ".join(map(str, values[:4]))
     return f"{shown}, .." if len(values) > 4 else shown
@@ -64,7 +64,7 @@ def listed(values: list[Number | str]) -> str:
 # --- records --------------------------------------------------------------------------------------------------
 
 
-def record_differences(rig: StatedRig, job: StatedJob, course: Course, number: int) -> Iterator[Difference]:
+def record_differences(rig: StatedRig, job: StatedJob, course: StatedCourse, number: int) -> Iterator[Difference]:
     """A job that reads into a record fills this one."""
     for place, access in enumerate(course.steps[0].accesses):
         data = course.answer(0, place)
@@ -92,7 +92,7 @@ def start_difference(
     found = values[at if at < len(values) else 0]
     if isinstance(value, str):
         return  # what a text is filled up with nobody says
-    wanted = expected_numbers(rig, path, access, [packed(access.type, value)])[0]
+    wanted = value if access.bits else expected_numbers(rig, path, access, [packed(access.type, value)])[0]
     if found != wanted:
         yield Difference(access.place, f"{path} = {wanted} as delivered", f"{found}")
 
@@ -101,7 +101,7 @@ def start_difference(
 
 
 def deviation_differences(
-    rig: StatedRig, job: StatedJob, course: Course, supplied: Mapping[Any, Number | bytes]
+    rig: StatedRig, job: StatedJob, course: StatedCourse, supplied: Mapping[Any, Number | bytes]
 ) -> Iterator[Difference]:
     """The list of a job that compares."""
     rows = list(deviating(course, supplied))
@@ -123,7 +123,7 @@ def deviation_differences(
 Row = tuple[int, int, float, float, int, int]
 
 
-def deviating(course: Course, supplied: Mapping[Any, Number | bytes]) -> Iterator[tuple[StatedAccess, Row]]:
+def deviating(course: StatedCourse, supplied: Mapping[Any, Number | bytes]) -> Iterator[tuple[StatedAccess, Row]]:
     """Values that differ: number, index, both as REAL, both as they are on the wire."""
     for number, access in enumerate(course.steps[0].accesses):
         for at, data in enumerate(course.answer(0, number)):
@@ -143,7 +143,7 @@ def as_good_as(type_: str, one: bytes, other: bytes) -> bool:
     return ((a < 0) == (b < 0) and abs(a - b) <= 1) or {a, b} == {0}
 
 
-def message_differences(rig: StatedRig, job: StatedJob, course: Course) -> Iterator[Difference]:
+def message_differences(rig: StatedRig, job: StatedJob, course: StatedCourse) -> Iterator[Difference]:
     """The list of messages: latest first, empty places behind, and how many are present."""
     asked = job.listing
     if asked is None:

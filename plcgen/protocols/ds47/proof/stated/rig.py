@@ -10,7 +10,7 @@ from typing import Any
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Periphery, RecordServer
-from plcgen.oracles.spec.ds47.course import OUTPUTS_ONLY, Course, Difference
+from plcgen.oracles.spec.ds47.course import OUTPUTS_ONLY, Difference, StatedCourse
 from plcgen.oracles.spec.ds47.recorder import HeardTelegram, RecordingDevice
 from plcgen.oracles.spec.ds47.statement import StatedDrive, StatedJob, Statement
 from plcgen.proof.rig import layout_of
@@ -29,7 +29,7 @@ SPARE_MS = 30_000
 DONE = 0
 
 
-class Line(Periphery):
+class RecordLine(Periphery):
     """Every identifier leads to somebody who listens: ``port`` makes him; ``last`` is who was looked for last."""
 
     def __init__(self, port: Callable[[int], RecordServer]) -> None:
@@ -79,7 +79,7 @@ class StatedRun:
     """
 
     job: StatedJob
-    course: Course | None = None
+    course: StatedCourse | None = None
     prepare: Callable[[], None] = lambda: None
     hears: Callable[[HeardTelegram], Mapping[tuple[int, int, int], bytes]] | None = None
     patience_ms: int = 0
@@ -102,7 +102,7 @@ class StatedRig:
 
     def __init__(self, program: Program, statement: Statement, constants: Mapping[str, int], family: str) -> None:
         self.program, self.statement = program, statement
-        self.line = Line(self._stray)
+        self.line = RecordLine(self._stray)
         self.cpu = Cpu(program, self.line, family=family)  # type: ignore[arg-type]
         self.cpu.restart("cold")
         self.identifiers = {drive.key: identifier_of(drive, constants) for drive in statement.drives}
@@ -190,6 +190,14 @@ class StatedRig:
                 if self.ended(run):
                     del going[unit]
                     heard = self.cpu.clock
+
+    def restart(self) -> None:
+        """As after a download: everything has its start values, nothing runs."""
+        self.cpu.restart("cold")
+        self.cpu.misuses.clear()
+        self.strays.clear()
+        for device in self.units.values():
+            device.reset()
 
     def begin(self, run: StatedRun) -> None:
         """The edge of one job."""

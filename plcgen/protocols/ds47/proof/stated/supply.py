@@ -37,7 +37,7 @@ def sources(job: StatedJob) -> dict[Source, StatedAccess]:
     return found
 
 
-def bit_inputs(job: StatedJob) -> list[Source]:
+def two_valued(job: StatedJob) -> list[Source]:
     """Inputs that have two values only."""
     found = {value: None for s in job.steps for a in s.accesses for _, value in a.bits if isinstance(value, FromInput)}
     plain = (

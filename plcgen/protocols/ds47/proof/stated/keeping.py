@@ -1,0 +1,60 @@
+"""Every run of every job, and what was not as the spec demands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from plcgen.cpu.program import Program
+from plcgen.oracles.spec.ds47.course import Difference
+from plcgen.oracles.spec.ds47.statement import FromInput, FromRecord, StatedJob, Statement
+from plcgen.protocols.ds47.proof.stated.nominal import NominalRun, trials
+from plcgen.protocols.ds47.proof.stated.outputs import delivered_records, start_difference
+from plcgen.protocols.ds47.proof.stated.rig import StatedRig
+from plcgen.protocols.ds47.proof.stated.supply import Unique, sources
+
+
+def jobs_kept(
+    program: Program, statement: Statement, constants: Mapping[str, int], family: str
+) -> dict[str, list[Difference]]:
+    """What is wrong, by the key of the job; nothing if all is well."""
+    found: dict[str, list[Difference]] = {}
+    rig = StatedRig(program, statement, constants, family)
+    jobs = []
+    for job in statement.jobs:
+        own = found.setdefault(job.key, [])
+        missing = list(unreachable(rig, job)) or list(start_differences(rig, job))
+        own += missing
+        jobs += [] if missing else [job]
+    unique, seen = Unique(), set[str]()
+    every: list[list[NominalRun]] = []
+    for job in jobs:
+        every.append(list(trials(rig, job, unique, first=job.key not in seen)))
+        seen.add(job.key)
+    for number in range(max(map(len, every), default=0)):
+        rig.restart()
+        now = [own[number] for own in every if number < len(own)]
+        rig.run([trial.run() for trial in now])
+        for trial in now:
+            found[trial.job.key] += trial.differences
+    return found
+
+
+def unreachable(rig: StatedRig, job: StatedJob) -> Iterator[Difference]:
+    """A job that cannot be started: its structure or a trigger is not there."""
+    if rig.member(job) is None:
+        yield Difference(job.place, f"a structure {job.member} in DriveJobs", "none")
+        return
+    for signal in ("execute", "done", "error", "status"):
+        try:
+            rig.signal(job, signal)
+        except (KeyError, ValueError, TypeError):
+            yield Difference(job.place, f"{signal} at {rig.path(job, signal)}", "nothing there")
+
+
+def start_differences(rig: StatedRig, job: StatedJob) -> Iterator[Difference]:
+    """Start values of inputs and records, before anything has run."""
+    for source, access in sources(job).items():
+        if isinstance(source, FromInput):
+            yield from start_difference(rig, f"{rig.member(job)}.{source.name}", source.index, source.start, access)
+        elif isinstance(source, FromRecord):
+            yield from delivered_records(rig, access, source)
