@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
-from plcgen.input.files import below
+from plcgen.input.files import below, refusal
 from plcgen.input.text import read_text
 from plcgen.input.toml import parse_toml
 from plcgen.input.validation import FileShape, StrictModel, validate
@@ -93,7 +93,7 @@ def load_config(file: Path) -> Config:
             if below(file.parent, name) is None:
                 place = root.find(key).span
                 help_ = "name files and folders in its folder or below"
-                report.add(Diagnostic("PG107", f"{name} is outside the folder of {NAME}", place, help=help_))
+                report.add(Diagnostic("PG107", f"{name} {refusal(name, f'the folder of {NAME}')}", place, help=help_))
     report.raise_on_errors()
     if config is None:
         raise DiagnosticError([Diagnostic("PG101", "not readable", Span(file.as_posix()))])

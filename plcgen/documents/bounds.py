@@ -7,7 +7,7 @@ import os
 from pathlib import Path, PurePosixPath
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.input.paths import trap_in
+from plcgen.paths import trap_in
 
 
 class Bounds:
@@ -26,10 +26,10 @@ class Bounds:
         Raises:
             DiagnosticError: PG506 if it leaves the folder.
         """
-        why = trap_in(path)
+        pure = PurePosixPath(path)
+        why = trap_in(path) or ("" if pure.parts else "it names no file")
         if why:
             raise DiagnosticError([self._refusal(path, why)])
-        pure = PurePosixPath(path)
         if pure.parent not in self._holds:
             self._holds[pure.parent] = self._held(self.folder / pure.parent)
         target = self.folder / path

@@ -9,6 +9,7 @@ from typing import Literal
 
 from plcgen.diagnostics import Diagnostic, Severity, Span, has_errors
 from plcgen.documents.environment import RenderedFile
+from plcgen.paths import is_device
 from plcgen.s7.blocks import Block, BlockKind, is_retentive
 from plcgen.scl.declarations import recursive_types, trim_code
 from plcgen.scl.dialect import Dialect
@@ -29,8 +30,6 @@ Target = Literal["scl", "xml"]
 _CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
 _SYMBOLS = frozenset({".sdf", ".asc"})
 _FORBIDDEN = frozenset('<>:"/\\|?*%')
-_DEVICES = frozenset({"CON", "PRN", "AUX", "NUL", *(f"{d}{n}" for d in ("COM", "LPT") for n in "123456789")})
-"""Names that Windows keeps for devices."""
 
 MAX_LOST = 10
 """So many start values of a block that a document cannot hold are told one by one."""
@@ -212,7 +211,7 @@ def file_name(name: str) -> str:
     coded = "".join(c if c.isprintable() and c not in _FORBIDDEN else f"%{ord(c):02X}" for c in name)
     if not coded.strip(". "):
         coded = coded.replace(".", "%2E").replace(" ", "%20")
-    if coded.upper().partition(".")[0] in _DEVICES or coded[-1:] in {".", " "}:
+    if is_device(coded) or coded[-1:] in {".", " "}:
         coded = f"{coded[:-1]}%{ord(coded[-1]):02X}"
     return coded[:MAX_NAME] or "%00"
 

@@ -8,6 +8,8 @@ import stat
 from collections.abc import Iterator
 from pathlib import Path
 
+from plcgen.paths import trap_in
+
 YAML_SUFFIXES = frozenset({".yaml", ".yml"})
 
 
@@ -27,16 +29,22 @@ def read_bounded(path: Path, limit: int) -> bytes:
 
 
 def below(folder: Path, name: str) -> Path | None:
-    """Path of a file that a spec names; None if it leaves the folder of the spec, also behind links.
+    """Path of a file that a spec names; None if it leaves the folder of the spec, also behind links or on Windows.
 
     A spec may come from anybody: it reads regular files of its own folder and below only.
     """
     path = folder / name
     try:
-        inside = "\\" not in name and path.resolve().is_relative_to(folder.resolve())
+        inside = not trap_in(name, up=True) and path.resolve().is_relative_to(folder.resolve())
     except (OSError, ValueError, RuntimeError):  # ValueError: a NUL in the path; RuntimeError: links in a circle
         return path  # reading it tells why
     return path if inside else None
+
+
+def refusal(name: str, place: str = "the folder of the spec") -> str:
+    """Why :func:`below` finds no path: the predicate of a sentence about the name."""
+    why = trap_in(name, up=True)
+    return f"is refused: {why}" if why else f"is not below {place}"
 
 
 def walk(folder: Path) -> Iterator[tuple[Path, list[str], list[str]]]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Report, Span
-from plcgen.input.files import below
+from plcgen.input.files import below, refusal
 from plcgen.input.yaml import MAX_BYTES, MAX_NODES, YamlNode, parse_yaml
 
 KEY = "include"
@@ -115,7 +115,7 @@ class _Gathering:
     def refusal(self, path: Path | None, name: str, way: tuple[str, ...]) -> tuple[str, str]:
         """Why a file is not read, and what to do; empty if it is."""
         if path is None:
-            return f"{name} is not below the folder of the spec", "copy it to the folder of the spec"
+            return f"{name} {refusal(name)}", "copy it to the folder of the spec"
         if not name.lower().endswith(SUFFIXES):
             return f"{name} is not a YAML file", "its name must end in .yaml or .yml"
         if len(way) > MAX_LEVELS:

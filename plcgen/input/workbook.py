@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from xml.parsers import expat
 
 from plcgen.diagnostics import PlcgenError
+from plcgen.paths import trap_in
 
 MAX_PART = 64 * 1024 * 1024
 """Bytes of an unpacked part: a small file may hold a large one."""
@@ -45,6 +46,9 @@ def read_sheets(data: bytes, most_rows: int) -> Iterator[list[Row]]:
     """
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as book:
+            for name in book.namelist():
+                if trap_in(name):
+                    raise WorkbookError(f'it has a part "{name[:80]}": {trap_in(name)}')
             names = sorted((name for name in book.namelist() if _SHEET.match(name)), key=_number)
             if not names:
                 raise WorkbookError("it has no sheet")

@@ -9,7 +9,6 @@ that they know.
 from __future__ import annotations
 
 import json
-import shutil
 import struct
 import subprocess
 import tempfile
@@ -56,14 +55,11 @@ class Dissected:
 
 
 class WiresharkError(RuntimeError):
-    """``tshark`` is not there, or did not do its work."""
+    """``tshark`` did not do its work."""
 
 
-def version() -> str | None:
-    """First line of ``tshark --version``; None if it is not installed."""
-    program = shutil.which("tshark")
-    if program is None:
-        return None
+def version(program: str) -> str | None:
+    """First line of ``tshark --version``; None if the program at this path cannot say it."""
     try:
         done = subprocess.run([program, "--version"], capture_output=True, timeout=TIME, check=True)  # noqa: S603 - tshark itself
     except (OSError, subprocess.SubprocessError):
@@ -71,15 +67,12 @@ def version() -> str | None:
     return done.stdout.decode("utf-8", "replace").split("\n", 1)[0].strip().rstrip(".")
 
 
-def run_tshark(records: Sequence[WireRecord]) -> list[tuple[Dissected, Dissected]]:
-    """Request and answer of every record as the dissector reads them.
+def run_tshark(program: str, records: Sequence[WireRecord]) -> list[tuple[Dissected, Dissected]]:
+    """Request and answer of every record as the dissector reads them; ``program`` is the path of ``tshark``.
 
     Raises:
         WiresharkError: if ``tshark`` cannot be run.
     """
-    program = shutil.which("tshark")
-    if program is None:
-        raise WiresharkError("tshark is not installed")
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "records.pcap"
         path.write_bytes(capture(records))

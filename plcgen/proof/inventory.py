@@ -8,6 +8,7 @@ from pathlib import Path
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.input.files import read_bounded
 from plcgen.input.hashes import has_digest
+from plcgen.paths import trap_in
 from plcgen.project.nouns import Project
 from plcgen.project.ownership import is_owned, owning
 from plcgen.sources.generated import JOURNAL, MANIFEST, MAX_MANIFEST, known_files
@@ -44,8 +45,8 @@ def inventory(project: Project, folder: Path, known: Mapping[str, str]) -> Itera
     root = folder.resolve()
     for name, expected in known.items():
         path = folder / name
-        if not path.resolve().is_relative_to(root):
-            message = f'the manifest names "{name}" outside the folder'
+        if trap_in(name) or not path.resolve().is_relative_to(root):
+            message = f'the manifest names "{name}" outside the folder: {trap_in(name) or "a link leads there"}'
             yield Diagnostic("PG611", message, Span(str(folder / MANIFEST)))
         elif not path.is_file():
             yield Diagnostic("PG601", "generated file is missing", Span(str(path)), help="run plcgen generate")

@@ -6,6 +6,8 @@ import re
 import unicodedata
 import zlib
 
+from plcgen.paths import is_device
+
 V5_LIMIT = 24
 TIA_LIMIT = 125
 
@@ -107,7 +109,6 @@ RESERVED = frozenset(
 )
 """Reserved words of SCL in all dialects, in upper case; letter case does not matter."""
 
-_DEVICES = frozenset({"CON", "PRN", "AUX", "NUL"} | {f"{port}{n}" for port in ("COM", "LPT") for n in range(1, 10)})
 _V5_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _V5_ABSOLUTE = re.compile(r"(?:DB|DI|FB|FC|OB|SFB|SFC|SDB|UDT|VAT|[TZC])\d+", re.IGNORECASE)
 _PATH = re.compile(r'[\\/:*?"<>|]')
@@ -172,7 +173,7 @@ def check_file_name(name: str) -> str | None:
         return f"{name} is a folder, not a name"
     if name[-1] in ". ":
         return "a file name must not end with a dot or a space"
-    if name.split(".", 1)[0].rstrip().upper() in _DEVICES:
+    if is_device(name):
         return f"{name} is a device name on Windows"
     return None
 

@@ -7,7 +7,6 @@ checked out, no attribute, filter or hook of the repository runs.
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -16,6 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from plcgen.input.options import usage
+from plcgen.paths import trap_in
+from plcgen.programs import find_program
 from plcgen.sources.generated import SOURCES
 
 OPTION = "--against"
@@ -101,10 +102,9 @@ def _relative(path: Path, top: Path) -> str:
 
 def _of_interest(path: str, inside: Sequence[str]) -> bool:
     """Specs and profiles anywhere, since a spec may name them, and the sources of the generated folder."""
-    pure = PurePosixPath(path)
-    if pure.is_absolute() or ".." in pure.parts or "\\" in path or "\0" in path:
+    if trap_in(path):
         return False
-    suffix = pure.suffix.lower()
+    suffix = PurePosixPath(path).suffix.lower()
     generated = len(inside) > 1 and path.startswith(f"{inside[1]}/")
     return suffix in _SPECS or (generated and suffix in (*SOURCES, ".sdf", ".json"))
 
@@ -123,7 +123,7 @@ def _fetch(top: Path, wanted: Sequence[tuple[str, str]], room: Path, revision: s
 
 
 def _git(where: Path, arguments: Sequence[str], revision: str, given: bytes = b"") -> bytes:
-    program = shutil.which("git")
+    program = find_program("git")
     place = f"{OPTION} {revision}"
     if program is None:
         raise usage(place, "there is no such folder, and git is not installed", "name a folder or a spec")

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 from plcgen.input.files import read_bounded
+from plcgen.paths import trap_in
 
 MANIFEST = "manifest.json"
 JOURNAL = ".plcgen-journal.json"
@@ -69,13 +70,15 @@ def generated_sources(folder: Path) -> list[Path]:
         found = [path for name in ("udt", "db", "scl") for path in (folder / name).glob("*")]
     else:
         root = folder.resolve()
-        found = [path for path in (folder / name for name in known) if path.resolve().is_relative_to(root)]
+        found = [
+            folder / name for name in known if not trap_in(name) and (folder / name).resolve().is_relative_to(root)
+        ]
     return sorted(path for path in found if path.suffix.lower() in SOURCES and path.is_file())
 
 
 def generated_documents(folder: Path) -> list[Path]:
     """The SimaticML documents that belong to plcgen, chosen as :func:`generated_sources` does."""
     known = manifest_of(folder)
-    names = [name for name in known if name.startswith("xml/") and ".." not in name] if known is not None else None
+    names = [name for name in known if name.startswith("xml/") and not trap_in(name)] if known is not None else None
     found = folder.glob("xml/*.xml") if names is None else (folder / name for name in names)
     return sorted(path for path in found if path.suffix.lower() == ".xml" and path.is_file())

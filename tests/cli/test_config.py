@@ -74,8 +74,8 @@ def test_without_a_path_and_without_a_file(plcgen):
     ("text", "expected"),
     [
         ("specs = 5\n", [("PG106", 1, 9, 'expected a list instead of "5"')]),
-        ('specs = ["../x"]\n', [("PG107", 1, 9, "../x is outside the folder of plcgen.toml")]),
-        ('[lock]\nfile = "/etc/x"\n', [("PG107", 2, 8, "/etc/x is outside the folder of plcgen.toml")]),
+        ('specs = ["../x"]\n', [("PG107", 1, 9, "../x is not below the folder of plcgen.toml")]),
+        ('[lock]\nfile = "/etc/x"\n', [("PG107", 2, 8, "/etc/x is not below the folder of plcgen.toml")]),
         ('strct = true\n\n[verify]\nfaults = "all"\n', [
             ("PG104", 1, 1, 'unknown key "strct" in plcgen.toml'),
             ("PG107", 4, 10, '"all" is not a value of "faults"'),

@@ -11,10 +11,12 @@ from plcgen import api
 from plcgen.oracles import wireshark
 from plcgen.oracles.documents import published
 from plcgen.oracles.wireshark import WireRecord
+from plcgen.programs import find_program
 from plcgen.project.opening import open_spec
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import read_folder
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
+from plcgen.protocols.ds47.proof import dissected
 from plcgen.protocols.ds47.proof.dissected import (
     FILL,
     TEXT,
@@ -26,7 +28,8 @@ from plcgen.protocols.ds47.proof.dissected import (
 from plcgen.protocols.ds47.wire import codec, formats
 from plcgen.protocols.ds47.wire.model import Response, ValueBlock
 
-needs_tshark = pytest.mark.skipif(wireshark.version() is None, reason="tshark is not installed (apt install tshark)")
+PROGRAM = find_program("tshark") or ""
+needs_tshark = pytest.mark.skipif(not PROGRAM, reason="tshark is not installed (apt install tshark)")
 
 
 @needs_tshark
@@ -34,7 +37,7 @@ def test_published_telegrams() -> None:
     """Every field of every published telegram, as the codec reads it."""
     spoken = [WireRecord(0xB02F, one.request, one.answer) for one in published()]
     unknown: set[str] = set()
-    for one, (request, answer) in zip(published(), wireshark.run_tshark(spoken), strict=True):
+    for one, (request, answer) in zip(published(), wireshark.run_tshark(PROGRAM, spoken), strict=True):
         assert not compare_dissection("request", request_facts(codec.decode_request(one.request)), request, unknown), (
             one.id
         )
@@ -57,7 +60,7 @@ def test_every_format() -> None:
     answers = [Response(1, 1, 1, 1, (block,)) for block in blocks]
     spoken = [WireRecord(0xB02F, request, codec.encode_response(answer)) for answer in answers]
     known = set()
-    for answer, block, (_, shown) in zip(answers, blocks, wireshark.run_tshark(spoken), strict=True):
+    for answer, block, (_, shown) in zip(answers, blocks, wireshark.run_tshark(PROGRAM, spoken), strict=True):
         unknown: set[str] = set()
         assert not compare_dissection("answer", response_facts(answer), shown, unknown), formats.by_code(block.format)
         if not unknown - {FILL}:
@@ -79,7 +82,7 @@ def test_every_format() -> None:
 def test_a_difference_is_told(record: int, request_: str, message: str) -> None:
     """Field by field."""
     expected = request_facts(codec.decode_request(bytes.fromhex("01 01 01 01 10 01 04 60 00 00")))
-    shown = wireshark.run_tshark([WireRecord(record, bytes.fromhex(request_), b"\1\1\1\0")])[0][0]
+    shown = wireshark.run_tshark(PROGRAM, [WireRecord(record, bytes.fromhex(request_), b"\1\1\1\0")])[0][0]
     assert message in compare_dissection("request", expected, shown, set())
 
 
@@ -92,14 +95,14 @@ def test_what_is_not_known_is_not_compared() -> None:
 
 def test_without_tshark_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     """The check is listed, and fails nothing."""
-    monkeypatch.setattr(wireshark.shutil, "which", lambda _name: None)
+    monkeypatch.setattr(dissected, "find_program", lambda _name: None)
     spec = next(path for path in SPECS if path.stem == "s7-300_6ra80_dp_tia")
     found = api.verify(spec, generated_example(spec.stem), faults="none", oracle="tshark")
     check = next(check for check in found.checks() if check.id == "wireshark")
     assert (check.outcome, check.verdict) == (Outcome.NOT_RUN, "not run: tshark is not installed")
     assert found.ok
-    with pytest.raises(wireshark.WiresharkError, match="not installed"):
-        wireshark.run_tshark([])
+    with pytest.raises(wireshark.WiresharkError, match="tshark failed"):
+        wireshark.run_tshark("/no/tshark", [])
 
 
 def agrees(checks: list[Check]) -> bool:

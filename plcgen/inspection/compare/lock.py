@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span, has_errors
 from plcgen.input.hashes import same_text
@@ -14,6 +14,7 @@ from plcgen.inspection.compare.lockread import read_lock
 from plcgen.inspection.compare.model import Comparison
 from plcgen.inspection.compare.policyfile import load_policy
 from plcgen.inspection.compare.run import compare_snapshots, snapshot
+from plcgen.paths import trap_in
 from plcgen.replacing import digest_of, replace_file
 
 DEFAULT = "plcgen.lock.yaml"
@@ -87,9 +88,8 @@ def _inside(sources: Sequence[str], path: Path) -> list[Path]:
     """Sources that a lock names; only such below its own folder are read without being asked for."""
     problems = []
     for source in sources:
-        pure = PurePosixPath(source)
-        if pure.is_absolute() or ".." in pure.parts or "\\" in source or ":" in source:
-            message = f'the lock names "{source[:80]}", which is not below its folder'
+        if trap_in(source):
+            message = f'the lock names "{source[:80]}", which is refused: {trap_in(source)}'
             problems.append(Diagnostic("PG633", message, Span(str(path)), help="name the sources on the command line"))
     if not sources:
         message = "the lock names no sources"

@@ -15,7 +15,7 @@ from typing import Any
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, PluginError, Report, Span
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.input.files import below
+from plcgen.input.files import below, refusal
 from plcgen.input.text import read_text
 from plcgen.plugins import plugins
 from plcgen.protocols.ds47.device import UNKNOWN, Device, Parameter, facts, parameter_from
@@ -67,7 +67,7 @@ def _beside(folder: Path, name: str, place: Span) -> Path:
     path = below(folder, name)
     if path is None:
         message, help_ = (
-            f'the device profile "{name}" is not below the folder of the spec',
+            f'the device profile "{name}" {refusal(name)}',
             "copy it to the folder of the spec",
         )
     elif not path.is_file():

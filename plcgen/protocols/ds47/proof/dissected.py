@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 
 from plcgen.diagnostics import Diagnostic
 from plcgen.oracles import wireshark
+from plcgen.programs import find_program
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
@@ -32,8 +33,9 @@ _PRECISION = 1e-5
 
 def dissected_checks(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
     """One check for each request of the files."""
-    version = wireshark.version()
-    if version is None:
+    program = find_program("tshark")
+    version = wireshark.version(program) if program else None
+    if program is None or version is None:
         yield Check("wireshark", "Wireshark", "", Outcome.NOT_RUN, "not run: tshark is not installed")
         return
     telegrams = [
@@ -44,7 +46,7 @@ def dissected_checks(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
     ]
     try:
         spoken = [_spoken(plan, job, request) for job, _, request in telegrams]
-        shown = wireshark.run_tshark([record for records in spoken for record in records])
+        shown = wireshark.run_tshark(program, [record for records in spoken for record in records])
     except (wireshark.WiresharkError, ExchangeError) as problem:
         found = Diagnostic(
             "PG640",

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
 from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.input.files import below
+from plcgen.input.files import below, refusal
 from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec
 from plcgen.protocols.base import Protocol
@@ -188,7 +188,7 @@ def _symbols(key: str, name: str, station: PpiStation, loaded: LoadedSpec, repor
     try:
         path = below(Path(loaded.file).parent, station.symbols)
         if path is None:
-            raise PermissionError(errno.EACCES, "it is not below the folder of the spec")
+            raise PermissionError(errno.EACCES, f"it {refusal(station.symbols)}")
         return load_symbols(path)
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)

@@ -23,9 +23,12 @@ def is_device(name: str) -> bool:
 def trap_in(path: str, *, up: bool = False) -> str:
     """What in a relative path could lead to another file than it says, on this system or on another; empty if nothing.
 
-    Folders are separated by ``/``. ``up`` allows ``..``, for whoever looks himself where the path ends.
+    Folders are separated by ``/``. ``up`` allows ``..`` and ``/`` at the beginning, for whoever looks himself where
+    the path ends.
     """
-    if path.startswith("/"):
+    if path.startswith("//"):
+        return "it begins with the name of a computer"
+    if path.startswith("/") and not up:
         return "it begins at the root"
     if "\\" in path:
         return "it has a backslash, which separates folders on Windows"
@@ -42,4 +45,4 @@ def trap_in(path: str, *, up: bool = False) -> str:
             return f"{part} is a device on Windows"
         if _ENDS.search(part):
             return f'"{part}" ends in a dot or a blank, which Windows drops'
-    return "" if path.strip("/.") else "it names no file"
+    return ""
