@@ -1,18 +1,21 @@
 """Verdicts of earlier runs in a folder of the user's own, by the hash of everything that they depend on.
 
-Whoever can write there can make a wrong project look right, so the folder must be the user's alone. An entry that is
-damaged is none. Only what went well is kept: what fails is run again, and says where. Several processes may use one
-folder: an entry is written beside its place and moved there.
+Whoever can write there can make a wrong project look right, so the folder must be the user's alone; and it must be
+the cache's alone, since what is too much is deleted: a tag says that it is, and only names that the cache gives are
+looked at. An entry that is damaged is none. Only what went well is kept: what fails is run again, and says where.
+Several processes may use one folder: an entry is written beside its place and moved there.
 """
 
 from __future__ import annotations
 
 import contextlib
 import errno
+import hashlib
 import os
 import re
 import stat
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -23,7 +26,7 @@ from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
 from plcgen.input.files import read_bounded
 from plcgen.proof.results import Result
 from plcgen.proof.stored import RESULT, portable, with_folder
-from plcgen.replacing import replace_file
+from plcgen.replacing import DRAFT, digest_of, replace_file
 
 FORMAT = 1
 VARIABLE = "PLCGEN_CACHE"
@@ -32,8 +35,17 @@ OFF = frozenset({"", "0", "off", "no", "none", "false"})
 MAX_ENTRY = 4 * 1024 * 1024
 MAX_BYTES = 128 * 1024 * 1024
 """Bytes of all entries; what was used least recently goes first."""
+TAG = "CACHEDIR.TAG"
+_MARK = b"""\
+Signature: 8a477f597d28d172789f06886806bc55
+# Verdicts of plcgen verify, which deletes files here: keep nothing else in this folder.
+# Backups may leave it out: https://bford.info/cachedir/
+"""
 _KEY = re.compile(r"[0-9a-f]{64}")
 _SUFFIX = ".json"
+_ROOM = re.compile(r"[0-9a-f]{2}")
+_OWN = re.compile(rf"[0-9a-f]{{64}}{re.escape(_SUFFIX)}|{re.escape(DRAFT)}[0-9a-f]{{16}}")
+"""Names of entries, and of one that is being written."""
 _TIME = r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$"
 
 
@@ -55,7 +67,8 @@ def user_folder() -> Path:
         return base / "plcgen" / "Cache" / "verdicts"
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Caches" / "plcgen" / "verdicts"
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "plcgen" / "verdicts"
+    base = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    return (base if base.is_absolute() else Path.home() / ".cache") / "plcgen" / "verdicts"
 
 
 def chosen_folder() -> Path | None:
@@ -83,7 +96,7 @@ class VerdictCache:
         """Make the folder.
 
         Raises:
-            OSError: if that is not possible, or others may write there.
+            OSError: if that is not possible, others may write there, or there is something else in it.
         """
         self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         found = self.folder.stat()
@@ -92,12 +105,19 @@ class VerdictCache:
         if sys.platform != "win32" and (found.st_uid != os.getuid() or found.st_mode & 0o077):
             why = "it belongs to another user" if found.st_uid != os.getuid() else "other users can read or write it"
             raise PermissionError(errno.EACCES, why, str(self.folder))
+        tag = self.folder / TAG
+        if digest_of(tag) == hashlib.sha256(_MARK).hexdigest():
+            return
+        if not all(self._is_room(each) for each in self.folder.iterdir() if not _OWN.fullmatch(each.name)):
+            raise FileExistsError(errno.EEXIST, "it has other files than verdicts", str(self.folder))
+        with contextlib.suppress(FileExistsError):  # another process was faster
+            replace_file(tag, _MARK, None)
 
     def find(self, key: str) -> Result | None:
         """What is known by a key; None if nothing is, or nothing that can be believed."""
         path = self._place(key)
         try:
-            if path.is_symlink() or not self._is_own(path):
+            if not self._is_own(path):
                 return None
             data = read_bounded(path, MAX_ENTRY)
             if len(data) > MAX_ENTRY:
@@ -131,7 +151,7 @@ class VerdictCache:
         if not self._written:
             return
         found = []
-        for path in self.folder.glob(f"*/*{_SUFFIX}"):
+        for path in self._entries():
             with contextlib.suppress(OSError):
                 seen = path.stat()
                 found.append((seen.st_mtime, seen.st_size, path))
@@ -143,6 +163,20 @@ class VerdictCache:
             if total <= self.limit * 4 // 5:
                 break
 
+    def _entries(self) -> Iterator[Path]:
+        """Every file that this or another process has put here."""
+        for room in self.folder.iterdir():
+            if _ROOM.fullmatch(room.name) and not room.is_symlink() and room.is_dir():
+                yield from (path for path in room.iterdir() if _OWN.fullmatch(path.name) and self._is_own(path))
+
+    @staticmethod
+    def _is_room(folder: Path) -> bool:
+        """Whether there are entries in a folder and nothing else; the tag of a process that is faster counts, too."""
+        if folder.name == TAG:
+            return digest_of(folder) == hashlib.sha256(_MARK).hexdigest()
+        inside = folder.iterdir() if folder.is_dir() and not folder.is_symlink() else iter([folder])
+        return _ROOM.fullmatch(folder.name) is not None and all(_OWN.fullmatch(path.name) for path in inside)
+
     def _place(self, key: str) -> Path:
         if not _KEY.fullmatch(key):
             raise ValueError(f"{key!r} is no key")
@@ -150,7 +184,7 @@ class VerdictCache:
 
     @staticmethod
     def _is_own(path: Path) -> bool:
-        found = path.stat()
+        found = path.lstat()
         return stat.S_ISREG(found.st_mode) and (sys.platform == "win32" or found.st_uid == os.getuid())
 
     @staticmethod

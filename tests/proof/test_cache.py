@@ -255,6 +255,55 @@ def test_several_may_write_at_once_and_it_is_bounded(tmp_path: Path) -> None:
     assert left[0].stem != names[0]
 
 
+TAG = "Signature: 8a477f597d28d172789f06886806bc55\n"
+"""Of the Cache Directory Tagging Specification."""
+
+
+@pytest.mark.parametrize("other", ["2025/measure.json", "aa/notes.json", "aa/deep/x.json", "CACHEDIR.TAG", "mine.txt"])
+def test_a_folder_of_something_else_is_left_alone(other: str, tmp_path: Path) -> None:
+    """Nobody's files become entries: such a folder is refused as it is, with PG624."""
+    spec, folder = generated(tmp_path), tmp_path / "data"
+    folder.mkdir(mode=0o700)
+    (folder / other).parent.mkdir(exist_ok=True, parents=True)
+    (folder / other).write_text(TAG if other == "CACHEDIR.TAG" else "{}")
+    before = sorted(folder.rglob("*"))
+    found = api.verify(spec, tmp_path / "out", cache=folder, faults="none")
+    assert [(d.code, "other files than verdicts" in d.message) for d in found.diagnostics] == [("PG624", True)]
+    assert sorted(folder.rglob("*")) == before
+
+
+def test_only_its_own_names_are_deleted(tmp_path: Path) -> None:
+    """Whatever somebody puts into a cache later, however old and large: it does not count, and it stays."""
+    cache = VerdictCache(tmp_path / "cache", tmp_path, limit=2000)
+    cache.open()
+    assert (cache.folder / "CACHEDIR.TAG").read_text().startswith(TAG)
+    for number in range(20):
+        cache.keep(f"{number:064x}", GOOD)
+    others = [cache.folder / name for name in ("00/notes.json", "2025/01.json", "00/" + "0" * 63, "zz/" + "0" * 64)]
+    for path in others:
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(bytes(100_000))
+        os.utime(path, (1, 1))
+    again = VerdictCache(cache.folder, tmp_path, limit=2000)
+    again.open()
+    again.keep(KEY, GOOD)
+    again.close()
+    left = {path for path in cache.folder.glob("*/*") if path not in others}
+    assert 0 < sum(path.stat().st_size for path in left) <= 2000 * 4 // 5
+    assert all(path.is_file() for path in others)
+
+
+def test_a_cache_without_a_tag_is_known_by_its_names(tmp_path: Path) -> None:
+    """Earlier versions made none."""
+    cache = VerdictCache(tmp_path / "cache", tmp_path)
+    cache.open()
+    cache.keep(KEY, GOOD)
+    (cache.folder / "CACHEDIR.TAG").unlink()
+    cache.open()
+    assert cache.find(KEY) is not None
+    assert (cache.folder / "CACHEDIR.TAG").is_file()
+
+
 def test_where_it_lies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The environment names a folder or none; else it is where the system has caches (XDG base directories)."""
     for text in ("off", "0", ""):
@@ -266,6 +315,8 @@ def test_where_it_lies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(sys, "platform", "linux")
     assert caches.chosen_folder() == tmp_path / "plcgen/verdicts"
+    monkeypatch.setenv("XDG_CACHE_HOME", "cache")  # a relative one is to be ignored, says the specification
+    assert caches.chosen_folder() == Path.home() / ".cache/plcgen/verdicts"
     monkeypatch.setattr(sys, "platform", "darwin")
     assert caches.chosen_folder() == Path.home() / "Library/Caches/plcgen/verdicts"
     monkeypatch.setattr(sys, "platform", "win32")
