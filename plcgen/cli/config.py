@@ -1,4 +1,8 @@
-"""``plcgen.toml``: what a repository wants the verbs to do unless the command line says otherwise."""
+"""``plcgen.toml``: what a repository wants the verbs to do unless the command line says otherwise.
+
+It comes with the files that are judged, so it is believed least: it cannot name what is believed (a cache), and where
+it asks for less than a verb does by itself, the result says so.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +11,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
 from plcgen.input.files import below, refusal
 from plcgen.input.text import read_text
 from plcgen.input.toml import parse_toml
-from plcgen.input.validation import FileShape, StrictModel, validate
+from plcgen.input.validation import FileShape, StrictModel, problem, validate
+from plcgen.input.yaml import YamlNode
 from plcgen.proof.effort import Faults
 
 NAME = "plcgen.toml"
@@ -22,14 +27,21 @@ FailOn = Literal["breaking", "compatible", "any", "never"]
 Paths = Annotated[tuple[Annotated[str, Field(min_length=1, max_length=500)], ...], Field(max_length=1000)]
 
 
+def _no_folder(name: object) -> object:
+    if isinstance(name, str) and name != "off":
+        help_ = 'name it with --cache or PLCGEN_CACHE; cache = "off" uses none'
+        raise problem("a repository does not say where the verdicts about it lie", help_=help_)
+    return name
+
+
 class VerifySection(StrictModel):
     """Options of ``verify``, and of the verification in ``review``."""
 
     faults: Faults | None = Field(None, description="how many faults the generated SCL runs through")
     engine: bool | None = Field(None, description="run the proof of the drive engine, even if the engine is known")
     oracle: Literal["tshark"] | None = Field(None, description="also check every telegram with Wireshark's dissector")
-    cache: Annotated[str, Field(min_length=1, max_length=500)] | None = Field(
-        None, description="the folder where verdicts are kept, or off"
+    cache: Annotated[Literal["off"], BeforeValidator(_no_folder)] | None = Field(
+        None, description="off: no verdict is taken from a cache, or kept"
     )
 
 
@@ -56,6 +68,10 @@ class Config(StrictModel):
     lock: LockSection = LockSection()
 
 
+STRICTEST: dict[str, FailOn] = {"diff": "breaking", "lock": "any"}
+"""``--fail-on`` of the verbs that have it, if nobody says anything."""
+_ORDER: tuple[FailOn, ...] = ("any", "compatible", "breaking", "never")
+
 _SHAPE: FileShape[Config] = FileShape(model=Config, what=NAME, shape=f"{NAME} has keys and tables")
 
 
@@ -66,21 +82,25 @@ def find_config(folder: Path) -> Path | None:
     return next((each / NAME for each in above[: root + 1] if (each / NAME).is_file()), None)
 
 
-def default_map(verb: str) -> dict[str, Any]:
+def configured(verb: str) -> tuple[dict[str, Any], dict[str, Diagnostic]]:
     """The parameters of a verb that the file of the current folder says something about, as click wants them.
+
+    Also, by parameter, PG903 for each that asks for less than the verb does by itself.
 
     Raises:
         DiagnosticError: with everything wrong in the file.
     """
     file = find_config(Path.cwd())
     if file is None:
-        return {}
+        return {}, {}
     shown = file.name if file.parent == Path.cwd() else os.path.relpath(file)
-    return defaults(load_config(Path(shown)), Path(shown).parent, verb)
+    config, root = load_config(Path(shown))
+    weak = {param: _weak(root, keys, what) for param, keys, what in weakened(config, verb)}
+    return defaults(config, Path(shown).parent, verb), weak
 
 
-def load_config(file: Path) -> Config:
-    """Read and validate the file.
+def load_config(file: Path) -> tuple[Config, YamlNode]:
+    """Read and validate the file; the node has the places of its keys.
 
     Raises:
         DiagnosticError: with everything wrong in it.
@@ -95,9 +115,9 @@ def load_config(file: Path) -> Config:
                 help_ = "name files and folders in its folder or below"
                 report.add(Diagnostic("PG107", f"{name} {refusal(name, f'the folder of {NAME}')}", place, help=help_))
     report.raise_on_errors()
-    if config is None:
+    if config is None or root is None:
         raise DiagnosticError([Diagnostic("PG101", "not readable", Span(file.as_posix()))])
-    return config
+    return config, root
 
 
 def _files(config: Config) -> Iterator[tuple[tuple[str, ...], str]]:
@@ -107,8 +127,24 @@ def _files(config: Config) -> Iterator[tuple[tuple[str, ...], str]]:
         yield from (((section, "policy"), name) for name in policy if "=" not in name)
     if config.lock.file is not None:
         yield ("lock", "file"), config.lock.file
-    if config.verify.cache not in {None, "off"}:
-        yield ("verify", "cache"), str(config.verify.cache)
+
+
+def weakened(config: Config, verb: str) -> Iterator[tuple[str, tuple[str, ...], str]]:
+    """The parameters of a verb for which the file asks for less, each with its keys and what that means."""
+    if verb in STRICTEST:
+        section = config.diff if verb == "diff" else config.lock
+        own, weakest = STRICTEST[verb], section.fail_on
+        if weakest is not None and _ORDER.index(weakest) > _ORDER.index(own):
+            yield "fail_on", (verb, "fail-on"), f'fail-on is "{weakest}" instead of "{own}"'
+        if section.policy:
+            yield "policy", (verb, "policy"), "changes are classified by a policy of the repository"
+    if verb in {"verify", "review"} and config.verify.faults == "none":
+        yield "faults", ("verify", "faults"), 'no faults are tried: faults is "none" instead of "quick"'
+
+
+def _weak(root: YamlNode, keys: tuple[str, ...], what: str) -> Diagnostic:
+    help_ = f"whoever judges says it himself: --{keys[-1]} on the command line"
+    return Diagnostic("PG903", f"{NAME} asks for less: {what}", root.find(keys).span, Severity.WARNING, help=help_)
 
 
 def defaults(config: Config, folder: Path, verb: str) -> dict[str, Any]:
@@ -121,9 +157,8 @@ def defaults(config: Config, folder: Path, verb: str) -> dict[str, Any]:
     if verb in {"verify", "review"}:
         found["faults"] = config.verify.faults
     if verb == "verify":
-        kept = config.verify.cache
         found |= {"engine": config.verify.engine, "oracle": config.verify.oracle}
-        found["cache"] = None if kept is None else Path(kept) if kept == "off" else folder / kept
+        found["cache"] = None if config.verify.cache is None else Path(config.verify.cache)
     if verb in {"diff", "lock"}:
         section = config.diff if verb == "diff" else config.lock
         policy = tuple(each if "=" in each else str(folder / each) for each in section.policy)

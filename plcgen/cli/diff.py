@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -67,6 +68,7 @@ def command(
     from plcgen import api
 
     result = api.diff(paths[0], paths[1], policy=policy, classic=classic)
+    result = replace(result, diagnostics=(*result.diagnostics, *out.weakened))
     if not format_.complete:
         out.complain(result.diagnostics)
     if format_.complete or result.readable or result.changes:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -79,6 +80,7 @@ def _show(
     out: Console, result: Comparison, fail_on: str, format_: OutputFormat, output: Path | None, *, verbose: bool
 ) -> int:
     text = format_.name == "text"
+    result = replace(result, diagnostics=(*result.diagnostics, *out.weakened))
     if not format_.complete:
         out.complain(result.diagnostics)
     if result.changes or not text:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
+from click.core import ParameterSource
 
 from plcgen.cli.completed import devices
 from plcgen.cli.output import Console
@@ -96,9 +97,13 @@ class Verb(Examples):
     ) -> click.Context:
         """Take what the command line does not say from ``plcgen.toml``, except for help."""
         if info_name in CONFIGURED and not {"-h", "--help"} & set(args):
-            from plcgen.cli.config import default_map
+            from plcgen.cli.config import configured
 
-            extra["default_map"] = default_map(info_name)
+            extra["default_map"], weak = configured(info_name)
+            ctx = super().make_context(info_name, args, parent, **extra)
+            used = [param for param in weak if ctx.get_parameter_source(param) is ParameterSource.DEFAULT_MAP]
+            ctx.ensure_object(Console).weakened = tuple(weak[param] for param in used)
+            return ctx
         return super().make_context(info_name, args, parent, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:

@@ -8,7 +8,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TextIO
 
@@ -105,6 +105,8 @@ class Console:
     color: ColorMode = "auto"
     force: bool = False
     """Whether a result may replace any file."""
+    weakened: Sequence[Diagnostic] = ()
+    """Where the repository itself asks for less than the verb would do: every result says so."""
     _written: set[str] = field(default_factory=set, repr=False)
     """Hashes of the results that this call has put into files."""
 
@@ -147,8 +149,11 @@ class Console:
         from plcgen.output.verification import troubles
 
         short = self.quiet and format_.name == "text"
+        result = replace(result, diagnostics=(*result.diagnostics, *self.weakened))
         if not (short and result.ok):
             self.show(format_, "verification", troubles(result) if short else result, output, ledger=ledger)
+        elif self.weakened:
+            self.complain(self.weakened)
         return OK if result.ok else PROBLEMS
 
     def verifications(
@@ -158,9 +163,12 @@ class Console:
         from plcgen.output.verification import troubles
 
         short = self.quiet and format_.name == "text"
+        found = [replace(each, diagnostics=(*each.diagnostics, *self.weakened)) for each in found]
         shown = [troubles(each) for each in found if not each.ok] if short else found
         if shown:
             self.show(format_, "verifications", shown, output, ledger=ledger)
+        elif self.weakened:
+            self.complain(self.weakened)
         return OK if all(each.ok for each in found) else PROBLEMS
 
     def result(self, text: str, output: Path | None = None, comment: tuple[str, str] | None = None) -> None:

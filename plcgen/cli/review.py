@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -64,7 +65,10 @@ def command(
     except DiagnosticError as problem:
         out.complain(problem.diagnostics)
         return USAGE
+    told = (*result.verification.diagnostics, *out.weakened)
+    result = replace(result, verification=replace(result.verification, diagnostics=told))
     out.show(format_, "review", result, output)
+    out.complain(out.weakened)
     if not format_.complete and not result.ok:
         out.complain([problem for problem in result.problems if problem.severity.label == "error"])
     return OK if result.ok else PROBLEMS

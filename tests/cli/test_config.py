@@ -1,12 +1,16 @@
 """``plcgen.toml``: defaults that the command line overrides, and every mistake in them at its place."""
 
 import json
+from typing import get_args
 
 import pytest
 
-from plcgen.cli.config import find_config
+from plcgen.cli.config import STRICTEST, Config, FailOn, find_config, weakened
+from plcgen.cli.main import cli
+from plcgen.cli.options import CONFIGURED
 from plcgen.diagnostics import Report
 from plcgen.input.toml import parse_toml
+from plcgen.output.registry import formats_for
 
 FULL = """\
 specs = ["job.yaml"]
@@ -125,3 +129,87 @@ def test_toml_becomes_nodes():
     deep = Report()
     parse_toml("a = " + "[" * 100_000, "f", deep)
     assert deep.has_errors
+
+
+NO_FAULTS = (
+    '[verify]\nfaults = "none"\n',
+    'no faults are tried: faults is "none" instead of "quick"',
+    "--faults quick",
+)
+POLICY = ("policy = ['type-changed=documentation']\n", "classified by a policy", "--policy member-moved=breaking")
+WEAK = {
+    "verify": NO_FAULTS,
+    "review": NO_FAULTS,
+    "diff": ('[diff]\nfail-on = "never"\n', 'fail-on is "never" instead of "breaking"', "--fail-on breaking"),
+    "lock": ('[lock]\nfail-on = "compatible"\n', 'fail-on is "compatible" instead of "any"', "--fail-on any"),
+    "diff ": (f"[diff]\n{POLICY[0]}", *POLICY[1:]),
+    "lock ": (f"[lock]\n{POLICY[0]}", *POLICY[1:]),
+}
+"""Verb (with a blank where there is more than one), what weakens it, what is said, the option that overrides it."""
+KIND = {"verify": "verification", "review": "review", "diff": "comparison", "lock": "comparison"}
+ARGS = {"verify": ["job.yaml"], "review": ["job.yaml"], "diff": ["old.db", "new.db"], "lock": ["new.db", "--check"]}
+
+
+@pytest.fixture
+def judged(plcgen, good, tmp_path):
+    """A repository with everything that the verbs look at."""
+    block = 'DATA_BLOCK "B"\nSTRUCT\n  a : Word;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
+    (tmp_path / "old.db").write_text(block, "utf-8")
+    (tmp_path / "new.db").write_text(block.replace("Word", "Int"), "utf-8")
+    assert plcgen("generate", good, "-q").code == 0
+    assert plcgen("lock", "old.db", "-q", "--out", "plcgen.lock.yaml").code == 0
+    return tmp_path
+
+
+@pytest.mark.parametrize("weak", WEAK)
+def test_what_the_repository_weakens_is_shown(plcgen, judged, weak):
+    """In every format of the verb, with the line of plcgen.toml; not if the command line decides."""
+    text, message, option = WEAK[weak]
+    verb = weak.strip()
+    (judged / "plcgen.toml").write_text(text, "utf-8")
+    for format_ in formats_for(KIND[verb]):
+        result = plcgen(verb, *ARGS[verb], "-f", format_)
+        told = result.out if format_ not in {"text", "markdown"} or verb == "review" else result.out + result.err
+        assert "PG903" in told, format_
+        assert message in told.replace("\n", " ").replace("\\", "").replace("&#34;", '"').replace("&quot;", '"'), (
+            format_
+        )
+        assert "plcgen.toml" in told, format_
+        mine = plcgen(verb, *ARGS[verb], "-f", format_, *option.split())
+        assert "PG903" not in mine.out + mine.err, format_
+    assert "warning[PG903]" in plcgen(verb, *ARGS[verb], "-q").err + plcgen(verb, *ARGS[verb], "-q").out
+    assert "plcgen.toml:2:" in plcgen(verb, *ARGS[verb]).err + plcgen(verb, *ARGS[verb]).out
+
+
+def test_what_asks_for_more_is_not_mentioned():
+    """A repository may be stricter than a verb is by itself; what it says of one verb concerns no other."""
+    more = {"strict": True, "verify": {"faults": "full"}, "lock": {"fail-on": "any"}, "diff": {"fail-on": "compatible"}}
+    assert [found for verb in CONFIGURED for found in weakened(Config.model_validate(more), verb)] == []
+    less = Config.model_validate({"verify": {"faults": "none"}, "lock": {"fail-on": "never"}})
+    assert {verb: [p for p, *_ in weakened(less, verb)] for verb in CONFIGURED} == {
+        "check": [], "generate": [], "diff": [], "verify": ["faults"], "review": ["faults"], "lock": ["fail_on"],
+    }  # fmt: skip
+
+
+def test_every_option_that_can_be_lowered_is_known():
+    """The defaults that the file is compared with are those of the verbs."""
+    for verb, strictest in STRICTEST.items():
+        (found,) = (p for p in cli.get_command(None, verb).params if p.name == "fail_on")
+        assert (found.default, set(found.type.choices)) == (strictest, set(get_args(FailOn)))
+    for verb in ("verify", "review"):
+        (found,) = (p for p in cli.get_command(None, verb).params if p.name == "faults")
+        assert found.default == "quick"
+
+
+@pytest.mark.parametrize("name", [".cache", "cache", "/tmp/x", ""])
+def test_a_repository_names_no_cache(plcgen, judged, name):
+    """Its verdicts would be its own; off is one that anybody may say."""
+    (judged / "plcgen.toml").write_text(f'[verify]\ncache = "{name}"\n', "utf-8")
+    refused = plcgen("verify", "job.yaml", "--faults", "none")
+    assert refused.code == 1
+    assert (
+        "error[PG107]: a repository does not say where the verdicts about it lie\n --> plcgen.toml:2:9" in refused.err
+    )
+    assert not (judged / ".cache").exists()
+    (judged / "plcgen.toml").write_text('[verify]\ncache = "off"\n', "utf-8")
+    assert plcgen("verify", "job.yaml", "--faults", "none").code == 0

@@ -70,7 +70,7 @@ def test_action(repository: Path) -> None:
     assert action["runs"]["using"] == "composite"
     steps = [step for step in action["runs"]["steps"] if "plcgen " in step.get("run", "")]
     assert [step["run"].split()[1] for step in steps] == ["check", "generate", "lock", "verify"]
-    values = {"paths": ".", "faults": "none", "lock": "plcgen.lock.yaml"}
+    values = {"paths": ".", "faults": "none", "lock": "plcgen.lock.yaml", "fail-on": "any"}
     assert values.keys() < action["inputs"].keys()
     for step in steps:
         assert step["shell"] == "bash"
@@ -95,6 +95,46 @@ def test_gitlab(repository: Path) -> None:
         done = run(script, repository, PLCGEN_PATHS=".", PLCGEN_FAULTS="none")
         assert done.returncode == 0, (script, done.stderr)
         assert (repository / template[job]["artifacts"]["reports"]["junit"]).is_file()
+
+
+def commands() -> list[str]:
+    """Every command line of plcgen in the action, the template and the hooks."""
+    lines = [step.get("run", "") for step in read("action.yml")["runs"]["steps"]]
+    template = read("ci/gitlab.yml")
+    lines += [line for job in ("plcgen-check", "plcgen-verify") for line in template[job]["script"]]
+    return [line for line in [*lines, *(command for _, command in hooks())] if line.startswith("plcgen ")]
+
+
+def test_what_counts_is_not_left_to_the_repository() -> None:
+    """Whatever plcgen.toml may lower or name, and what a file called like an option could, is said on the line."""
+    said = {"verify": {"--faults", "--no-cache"}, "lock": {"--fail-on", "--out"}, "check": set(), "generate": set()}
+    assert {line.split()[1] for line in commands()} == set(said)
+    for line in commands():
+        words = line.split()
+        assert said[words[1]] <= set(words), line
+        paths = [place for place, word in enumerate(words) if "PATHS" in word]
+        assert all(words[place - 1] == "--" for place in paths), line
+
+
+def test_pip_is_not_taken_from_the_repository() -> None:
+    """``python -m`` looks into the current folder first, which is what is judged: -I leaves it out."""
+    lines = [step.get("run", "") for step in read("action.yml")["runs"]["steps"]]
+    lines += read("ci/gitlab.yml")[".plcgen"]["before_script"]
+    installing = [line for line in lines if "pip" in line and "install" in line and line.startswith("python")]
+    assert len(installing) == 2
+    assert all(line.startswith("python -I -m pip ") for line in installing)
+
+
+@pytest.mark.slow
+def test_a_repository_cannot_weaken_the_hooks(repository: Path) -> None:
+    """A pull request that changes a layout and says fail-on = never is found all the same."""
+    (repository / "plcgen.toml").write_text('[lock]\nfail-on = "never"\n', "utf-8")
+    spec = repository / "press.yaml"
+    spec.write_text(spec.read_text("utf-8").replace("P50303", "P50304"), "utf-8")
+    assert run("plcgen generate . --quiet --force", repository).returncode == 0
+    assert run("plcgen lock --check", repository).returncode == 0
+    found = run(dict(hooks())["plcgen-lock"], repository)
+    assert (found.returncode, "PG903" in found.stderr) == (1, False), found
 
 
 def test_docker() -> None:

@@ -62,26 +62,22 @@ def _document(name: str, suites: Sequence[str]) -> str:
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{head}\n{body}</testsuites>\n'
 
 
-def _errors(diagnostics: Sequence[Diagnostic]) -> list[Diagnostic]:
-    return [d for d in diagnostics if d.severity is Severity.ERROR]
+def _told(diagnostics: Sequence[Diagnostic]) -> str:
+    """What stands in a test case: a failure if there is an error, what else there is as output; empty if nothing."""
+    first = next((d for d in diagnostics if d.severity is Severity.ERROR), None)
+    if first is not None:
+        return _failure(first.code, first.message, _details(diagnostics))
+    return f"<system-out>{_text(_details(diagnostics))}</system-out>" if diagnostics else ""
 
 
 def _findings(found: Findings, _view: View) -> str:
     """One test case per subject; warnings alone do not fail it."""
-    cases = []
-    for subject, diagnostics in found.subjects:
-        errors = _errors(diagnostics)
-        body = ""
-        if errors:
-            body = _failure(errors[0].code, errors[0].message, _details(diagnostics))
-        elif diagnostics:
-            body = f"<system-out>{_text(_details(diagnostics))}</system-out>"
-        cases.append(_case(f"plcgen.{found.verb}", subject, body))
+    cases = [_case(f"plcgen.{found.verb}", subject, _told(diagnostics)) for subject, diagnostics in found.subjects]
     return _document(f"plcgen {found.verb}", [_suite(found.verb, cases)])
 
 
 def _verification(verification: Verification, _view: View) -> str:
-    """One suite per group; a last suite holds errors that belong to no check."""
+    """One suite per group; a last suite holds what belongs to no check."""
     return _document(f"plcgen {verification.verb} {verification.spec}", _suites(verification))
 
 
@@ -94,10 +90,8 @@ def _suites(verification: Verification, spec: str = "") -> list[str]:
     """``spec`` tells the checks of one spec from the same ones of another."""
     verb, before = f"{verification.verb}.{spec}" if spec else verification.verb, f"{spec}: " if spec else ""
     suites = [_group(group, verb, before) for group in verification.groups]
-    rest = _errors(verification.outside)
-    if rest:
-        case = _case(f"plcgen.{verb}", "problems", _failure(rest[0].code, rest[0].message, _details(rest)))
-        suites.append(_suite(f"{before}problems", [case]))
+    if verification.outside:
+        suites.append(_suite(f"{before}problems", [_case(f"plcgen.{verb}", "problems", _told(verification.outside))]))
     return suites
 
 
@@ -113,10 +107,8 @@ def _comparison(comparison: Comparison, view: View) -> str:
         else:
             body = f"<system-out>{_text(chr(10).join(lines))}</system-out>"
         cases.append(_case("plcgen.diff", subject, body))
-    unread = _errors(comparison.diagnostics)
-    if unread:
-        body = _failure(unread[0].code, unread[0].message, _details(unread))
-        cases.append(_case("plcgen.diff", "problems", body))
+    if comparison.diagnostics:
+        cases.append(_case("plcgen.diff", "problems", _told(comparison.diagnostics)))
     if not cases:
         cases.append(_case("plcgen.diff", "nothing changed"))
     return _document(f"plcgen diff {comparison.old} {comparison.new}", [_suite("changes", cases)])
