@@ -94,7 +94,7 @@ class Stage:
         if not self.moves and not removed:
             return
         stage = self._open()
-        plan = Plan(stage.name, self.moves, list(removed), self.before | dict(removed))
+        plan = FolderPlan(stage.name, self.moves, list(removed), self.before | dict(removed))
         with uninterrupted():
             edited = plan.edited(self.folder)
             if not edited:
@@ -102,7 +102,7 @@ class Stage:
         if edited:
             raise DiagnosticError([_edited(self.folder / path) for path in edited])
 
-    def _moved(self, plan: Plan, stage: Path) -> list[str]:
+    def _moved(self, plan: FolderPlan, stage: Path) -> list[str]:
         """Move everything; the paths that somebody changed meanwhile, if nothing was moved for their sake."""
         bounds = Bounds(self.folder)
         for parent in {bounds.inside(path).parent for path in self.moves}:
@@ -141,7 +141,7 @@ def recover(folder: Path) -> bool:
     done = False
     with uninterrupted():
         if os.path.lexists(journal):
-            plan = Plan.read(journal)
+            plan = FolderPlan.read(journal)
             if plan is not None:
                 plan.complete(folder)
             journal.unlink()
@@ -217,7 +217,7 @@ class _Step:
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class FolderPlan:
     """What a journal says; whoever can write into the folder can have written it, so recovering trusts no line of it.
 
     ``moves`` and ``before`` are hashes by path: of the staged files in the order of their numbers, and of what they
