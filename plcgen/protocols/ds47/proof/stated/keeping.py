@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from plcgen.cpu.program import Program
 from plcgen.oracles.spec.ds47.course import Difference
 from plcgen.oracles.spec.ds47.statement import FromInput, FromRecord, StatedJob, Statement
-from plcgen.protocols.ds47.proof.stated.nominal import NominalRun, trials
+from plcgen.protocols.ds47.proof.stated.nominal import trials
 from plcgen.protocols.ds47.proof.stated.outputs import delivered_records, start_difference
 from plcgen.protocols.ds47.proof.stated.rig import StatedRig
+from plcgen.protocols.ds47.proof.stated.scene import Scene
 from plcgen.protocols.ds47.proof.stated.supply import Unique, sources
+from plcgen.protocols.ds47.proof.stated.timed import timed_runs
 
 
 def jobs_kept(
@@ -25,18 +27,38 @@ def jobs_kept(
         missing = list(unreachable(rig, job)) or list(start_differences(rig, job))
         own += missing
         jobs += [] if missing else [job]
-    unique, seen = Unique(), set[str]()
-    every: list[list[NominalRun]] = []
-    for job in jobs:
-        every.append(list(trials(rig, job, unique, first=job.key not in seen)))
-        seen.add(job.key)
+    unique, chosen = Unique(), firsts(jobs)
+    every = [list(trials(rig, job, unique, first=job in chosen)) for job in jobs]
     for number in range(max(map(len, every), default=0)):
         rig.restart()
         now = [own[number] for own in every if number < len(own)]
         rig.run([trial.run() for trial in now])
         for trial in now:
             found[trial.job.key] += trial.differences
+    run_scenes(rig, [job for job in chosen if not found[job.key]], unique, found)
     return found
+
+
+def firsts(jobs: Sequence[StatedJob]) -> list[StatedJob]:
+    """Every job on one of its drives, what its block does is the same on all; on many units they run at one time."""
+    busy: dict[str, int] = {}
+    found = []
+    for key in dict.fromkeys(job.key for job in jobs):
+        chosen = min((job for job in jobs if job.key == key), key=lambda job: busy.get(job.drive.unit, 0))
+        busy[chosen.drive.unit] = busy.get(chosen.drive.unit, 0) + 1
+        found.append(chosen)
+    return found
+
+
+def run_scenes(rig: StatedRig, jobs: Sequence[StatedJob], unique: Unique, found: dict[str, list[Difference]]) -> None:
+    """Times, counts and failures of every job."""
+    scenes = [Scene(rig, job, unique) for job in jobs]
+    every = [list(timed_runs(scene)) for scene in scenes]
+    for number in range(max(map(len, every), default=0)):
+        rig.restart()
+        rig.run([run for own in every if number < len(own) for run in own[number]])
+    for scene in scenes:
+        found[scene.job.key] += scene.found
 
 
 def unreachable(rig: StatedRig, job: StatedJob) -> Iterator[Difference]:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 
 from plcgen.oracles.spec.ds47.boundaries import Answer, failing, meeting, nearest
 from plcgen.oracles.spec.ds47.course import Difference, StatedCourse, value_bytes
-from plcgen.oracles.spec.ds47.recorder import HeardTelegram
 from plcgen.oracles.spec.ds47.statement import FromInput, Number, Source, StatedAccess, StatedJob, StatedStep
 from plcgen.oracles.spec.ds47.types import packed, unpacked
 from plcgen.protocols.ds47.proof.stated.outputs import (
@@ -175,8 +174,8 @@ def _messages(values: dict[tuple[int, int, int], bytes], job: StatedJob, unique:
 
 def trials(rig: StatedRig, job: StatedJob, unique: Unique, *, first: bool) -> Iterator[NominalRun]:
     """One run of every instance; of the first one of a job also what else decides."""
-    chosen = any(isinstance(c.value, FromInput) for step in job.steps for c in step.until)
-    supply = Chosen(rig, job, unique) if chosen else Supply(rig, job, unique)
+    chosen = needs_choice(job)
+    supply = supply_of(rig, job, unique)
     chunks = list(answers_that_miss(job))
     yield NominalRun(rig, job, supply, no=chunks[0] if chunks else {}, record=min(2, max(1, job.records)))
     if not first:
@@ -192,6 +191,11 @@ def trials(rig: StatedRig, job: StatedJob, unique: Unique, *, first: bool) -> It
     yield from (NominalRun(rig, job, Chosen(rig, job, unique, state=state)) for state in STATES if chosen)
 
 
+def needs_choice(job: StatedJob) -> bool:
+    """Whether an input decides what is waited for."""
+    return any(isinstance(condition.value, FromInput) for step in job.steps for condition in step.until)
+
+
 @dataclass
 class Chosen(Supply):
     """An input with three values stands at one of them."""
@@ -203,6 +207,11 @@ class Chosen(Supply):
         super().draw(bits)
         self.values.update(dict.fromkeys(self.values, self.state))
         return self.values
+
+
+def supply_of(rig: StatedRig, job: StatedJob, unique: Unique) -> Supply:
+    """Any values; where an input decides what is waited for, one that it may have."""
+    return Chosen(rig, job, unique) if needs_choice(job) else Supply(rig, job, unique)
 
 
 def bit_patterns(job: StatedJob) -> Iterator[Mapping[Source, int]]:
@@ -239,8 +248,3 @@ class AnyInput(dict[Source, Number | bytes]):
 
     def __missing__(self, source: Source) -> Number | bytes:
         return 1
-
-
-def heard_of(run: StatedRun) -> list[HeardTelegram]:
-    """All telegrams of a run."""
-    return run.heard

@@ -22,6 +22,8 @@ CONTROL = re.compile(r"DriveJobs\d*")
 """Data blocks with a structure for each instance (docs/generated-code.md, "What is in which data block")."""
 SCAN, IDLE_SCAN, QUIET = 10, 50, 120
 """Length of a scan in ms, and the longest one when nothing was heard for so long."""
+LONGEST_SCAN = 1000
+"""More than that of the time between two calls does not count (docs/generated-code.md, "Times")."""
 FINE = 10
 """So many scans at least are in an interval."""
 SPARE_MS = 30_000
@@ -75,14 +77,21 @@ class _Port:
 class StatedRun:
     """One run of a job: what it is to do (``course``), what happens before it starts, and how it ended.
 
-    ``hears`` follows the conversation instead of the course, if the run is about faults.
+    ``hears`` follows the conversation instead of the course.
     """
 
     job: StatedJob
     course: StatedCourse | None = None
     prepare: Callable[[], None] = lambda: None
     hears: Callable[[HeardTelegram], Mapping[tuple[int, int, int], bytes]] | None = None
-    patience_ms: int = 0
+    due: Callable[[], int] = lambda: 0
+    """When it may start."""
+    idle: Callable[[], int] = lambda: 0
+    """Length of a scan while nothing is heard; 0: as the intervals of the job ask for."""
+    pace: Callable[[], int] = lambda: 0
+    """Length of the next scan if times are measured to the millisecond; 0: that does not matter."""
+    delay: Callable[[str], int | None] = lambda _kind: None
+    """How many ms a record job takes; None: one scan."""
     status: int = -1
     started: int = 0
     ended: int = 0
@@ -109,6 +118,8 @@ class StatedRig:
         self.units = {unit: RecordingDevice({}, lambda: self.cpu.clock) for unit in self._unit_names()}
         self.stray = RecordingDevice({}, lambda: self.cpu.clock)
         self.strays: list[int] = []
+        self.going: dict[str, StatedRun] = {}
+        self.line.delay = self._delay
         self.structures = dict(self._structures())
         self._connect()
 
@@ -174,22 +185,46 @@ class StatedRig:
         waiting: dict[str, list[StatedRun]] = {}
         for run in runs:
             waiting.setdefault(run.job.drive.unit, []).append(run)
-        going: dict[str, StatedRun] = {}
         heard = self.cpu.clock
-        while waiting or going:
-            for unit in [unit for unit in waiting if unit not in going]:
-                going[unit] = waiting[unit].pop(0)
-                if not waiting[unit]:
-                    del waiting[unit]
-                self.begin(going[unit])
-            idle = min((idle_scan(run.job) for run in going.values()), default=SCAN)
-            self.cpu.scan(idle if self.cpu.clock - heard > QUIET else SCAN)
+        while waiting or self.going:
+            heard = self._begin_due(waiting) or heard
+            self.cpu.scan(self._length(waiting, heard))
             if any(d.calls and d.calls[-1][0] >= self.cpu.clock - SCAN for d in self.units.values()):
                 heard = self.cpu.clock
-            for unit, run in list(going.items()):
+            for unit, run in list(self.going.items()):
                 if self.ended(run):
-                    del going[unit]
+                    del self.going[unit]
                     heard = self.cpu.clock
+
+    def _begin_due(self, waiting: dict[str, list[StatedRun]]) -> int:
+        """Start the next run of every unit that is free; when the last one was started."""
+        begun = 0
+        for unit in [unit for unit in waiting if unit not in self.going]:
+            if waiting[unit][0].due() > self.cpu.clock:
+                continue
+            self.going[unit] = waiting[unit].pop(0)
+            if not waiting[unit]:
+                del waiting[unit]
+            self.begin(self.going[unit])
+            begun = self.cpu.clock
+        return begun
+
+    def _length(self, waiting: Mapping[str, Sequence[StatedRun]], heard: int) -> int:
+        """Of the next scan: long while nothing is heard, and no run is due."""
+        paces = [pace for run in self.going.values() if (pace := run.pace())]
+        if paces:
+            return min(paces)
+        if self.cpu.clock - heard <= QUIET:
+            return SCAN
+        idle = [run.idle() or idle_scan(run.job) for run in self.going.values()]
+        left = [own[0].due() - self.cpu.clock for unit, own in waiting.items() if unit not in self.going]
+        return max(1, min(LONGEST_SCAN, *idle, *left))
+
+    def _delay(self, identifier: int, kind: str) -> int | None:
+        for run in self.going.values():
+            if self.identifiers[run.job.drive.key] == identifier:
+                return run.delay(kind)
+        return None
 
     def restart(self) -> None:
         """As after a download: everything has its start values, nothing runs."""
@@ -212,7 +247,7 @@ class StatedRig:
     def ended(self, run: StatedRun) -> bool:
         """Whether a job has ended, or hangs: then it is over too, with its status."""
         done, error = (self.signal(run.job, name) for name in ("done", "error"))
-        late = self.cpu.clock - run.started > (run.patience_ms or patience(run.job))
+        late = self.cpu.clock - run.started > patience(run.job)
         if not done and not error and not late:
             return False
         self.finish(run)
