@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from plcgen.cpu.program import Program
 from plcgen.oracles.spec.ds47.course import Difference
 from plcgen.oracles.spec.ds47.statement import FromInput, FromRecord, StatedJob, Statement
+from plcgen.protocols.ds47.proof.stated.failing import failing_runs
 from plcgen.protocols.ds47.proof.stated.nominal import trials
 from plcgen.protocols.ds47.proof.stated.outputs import delivered_records, start_difference
 from plcgen.protocols.ds47.proof.stated.rig import StatedRig
@@ -53,7 +54,7 @@ def firsts(jobs: Sequence[StatedJob]) -> list[StatedJob]:
 def run_scenes(rig: StatedRig, jobs: Sequence[StatedJob], unique: Unique, found: dict[str, list[Difference]]) -> None:
     """Times, counts and failures of every job."""
     scenes = [Scene(rig, job, unique) for job in jobs]
-    every = [list(timed_runs(scene)) for scene in scenes]
+    every = [[*timed_runs(scene), *failing_runs(scene)] for scene in scenes]
     for number in range(max(map(len, every), default=0)):
         rig.restart()
         rig.run([run for own in every if number < len(own) for run in own[number]])
