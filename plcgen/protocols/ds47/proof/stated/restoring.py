@@ -88,6 +88,8 @@ class Failing:
         scene = self.scene
         when = f"when {'a refusal' if self.refuse else 'a value'} makes it restore with r0899 = 16#{self.state:04X}"
         scene.found += scene.complaints(run)
+        if self.status == NOT_RESTORED and not self.to_restore():
+            self.status = RESTORED  # the drive has the old values anyway
         if not scene.status(run, self.status, when=when):
             return
         cause = scene.rig.cpu[f"{scene.rig.member(scene.job)}.cause"]
