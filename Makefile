@@ -26,6 +26,7 @@ lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/zizmor --offline --no-progress --quiet --persona=auditor .github action.yml
 
 # Every character that is none of a text, at every place of every file in which a text may stand.
 hostile: $(READY)
@@ -84,10 +85,16 @@ site:
 pictures: $(READY)
 	PYTHONPATH=tests $(BIN)/python tests/docs/make_pictures.py
 
+# Everything for development; what plcgen needs, what builds it, what lists its parts: all by hash.
+COMPILE = $(BIN)/pip-compile --quiet --generate-hashes --allow-unsafe --strip-extras --no-header --no-annotate \
+  --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 lock:
 	$(BIN)/pip install --quiet pip-tools
-	$(BIN)/pip-compile --quiet --extra dev --generate-hashes --allow-unsafe --strip-extras --no-header --no-annotate \
-	  --no-emit-index-url --no-emit-trusted-host --no-emit-find-links -o requirements.lock pyproject.toml
+	$(COMPILE) --extra dev -o requirements.lock pyproject.toml
+	@for name in runtime build sbom; do cp requirements.lock ci/$$name.lock; done # the versions to begin with
+	$(COMPILE) -o ci/runtime.lock pyproject.toml
+	printf 'build\nhatchling\n' | $(COMPILE) -o ci/build.lock -
+	printf 'cyclonedx-bom\n' | $(COMPILE) -o ci/sbom.lock -
 
 $(READY): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "plcgen needs Python 3.11 or newer; try make PYTHON=python3.12")'

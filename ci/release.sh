@@ -1,7 +1,7 @@
 #!/bin/sh
 # Builds wheel and sdist of a checkout twice, from two copies, and fails unless both give the same bytes.
 # Usage: ci/release.sh OUT [PYTHON]; the Python has build and hatchling:
-# pip install --require-hashes --no-deps -r requirements.lock
+# pip install --require-hashes --no-deps -r ci/build.lock
 set -eu
 out=$(mkdir -p "$1" && cd "$1" && pwd)
 python=${2:-python3}

@@ -31,7 +31,7 @@ def workflow() -> Any:
 
 def script(name: str) -> str:
     """The shell of a step."""
-    (found,) = (step["run"] for step in workflow()["jobs"]["build"]["steps"] if step.get("name") == name)
+    (found,) = (step["run"] for job in workflow()["jobs"].values() for step in job["steps"] if step.get("name") == name)
     return str(found)
 
 
@@ -48,37 +48,101 @@ def run(command: str, folder: Path, **variables: str) -> subprocess.CompletedPro
 def test_nothing_is_published_by_default() -> None:
     """Publishing waits for a variable of the repository and for a tag; only that job may ask for an upload."""
     jobs = workflow()["jobs"]
-    assert set(jobs) == {"build", "publish"}
+    assert set(jobs) == {"build", "attest", "publish"}
     assert jobs["publish"]["if"] == "${{ vars.PUBLISH == 'true' && startsWith(github.ref, 'refs/tags/') }}"
-    assert jobs["publish"]["needs"] == "build"
-    assert not any("publish" in step.get("uses", "") for step in jobs["build"]["steps"])
+    assert (jobs["publish"]["needs"], jobs["attest"]["needs"]) == ("attest", "build")
+    assert not any("publish" in step.get("uses", "") for job in ("build", "attest") for step in jobs[job]["steps"])
 
 
 def test_no_job_may_write_to_the_repository() -> None:
-    """The token reads; what is written are attestations."""
-    assert workflow()["permissions"] == {"contents": "read"}
-    for job in workflow()["jobs"].values():
-        assert set(job["permissions"]) <= {"contents", "id-token", "attestations"}
-        assert job["permissions"].get("contents", "read") == "read"
+    """Each job has what it needs: reading, attesting, publishing."""
+    assert workflow()["permissions"] == {}
+    assert {name: job["permissions"] for name, job in workflow()["jobs"].items()} == {
+        "build": {"contents": "read"},
+        "attest": {"id-token": "write", "attestations": "write"},
+        "publish": {"id-token": "write"},
+    }
+
+
+def test_what_may_sign_runs_nothing_of_others() -> None:
+    """Where a token can be had, no package is installed and no script of the repository runs."""
+    for job in (job for job in workflow()["jobs"].values() if "id-token" in job["permissions"]):
+        assert not any("checkout" in step.get("uses", "") for step in job["steps"])
+        scripts = " ".join(step.get("run", "") for step in job["steps"])
+        assert not re.search(r"\b(pip|python|npm|curl|bash|sh)\b", scripts)
+
+
+def test_actions_are_named_by_commit() -> None:
+    """A tag can be moved; the version stands behind."""
+    texts = (*(ROOT / ".github").rglob("*.yml"), ROOT / "action.yml")
+    used = [line.strip(" -") for path in texts for line in path.read_text("utf-8").splitlines() if "uses:" in line]
+    assert len(used) > 7
+    assert [line for line in used if not re.fullmatch(r"uses: [\w./-]+@[0-9a-f]{40} # v[0-9.]+", line)] == []
+
+
+def test_zizmor_has_no_findings() -> None:
+    """The auditor of workflows, without the network, at its strictest."""
+    command = [str(Path(sys.executable).with_name("zizmor")), "--offline", "--no-progress", "--persona=auditor"]
+    done = subprocess.run([*command, ".github", "action.yml"], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
 
 
 def test_everything_in_the_repository_that_a_step_names_exists() -> None:
     assert os.access(ROOT / script("Build twice").split()[0], os.X_OK)
-    assert (ROOT / "requirements.lock").is_file()
+    assert all((ROOT / name).is_file() for name in re.findall(r"\S+\.lock", str(workflow())))
 
 
-@pytest.mark.parametrize("place", ["Makefile", "ci/release.sh", ".github/workflows/release.yml"])
-def test_the_lock_is_installed_as_it_is(place: str) -> None:
+PLACES = ("Makefile", "ci/release.sh", ".github/workflows/release.yml", "action.yml", "Dockerfile")
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_a_lock_is_installed_as_it_is(place: str) -> None:
     """Older pips look for ``coverage[toml]`` outside the lock: an error as soon as there is a newer coverage."""
-    installations = [line for line in (ROOT / place).read_text("utf-8").splitlines() if "-r requirements.lock" in line]
+    installations = [
+        line for line in (ROOT / place).read_text("utf-8").splitlines() if re.search(r"-r \S*\.lock", line)
+    ]
     assert installations
-    assert all("--require-hashes --no-deps" in line for line in installations)
+    assert all({"--require-hashes", "--no-deps"} <= set(line.split()) for line in installations)
+
+
+@pytest.mark.parametrize("place", [".github/workflows/release.yml", "action.yml", "Dockerfile"])
+def test_nothing_is_installed_that_has_no_hash(place: str) -> None:
+    """Every package comes from a lock, or was built here and brings no other."""
+    lines = (ROOT / place).read_text("utf-8").splitlines()
+    installing = [line for line in lines if re.search(r"pip .*\b(install|wheel) ", line)]
+    assert installing
+    for line in installing:
+        assert (
+            "--require-hashes" in line
+            or {"--no-deps", "--no-build-isolation"} <= set(line.split())
+            or ("--no-index" in line)
+        ), line
+
+
+def locked(name: str) -> dict[str, str]:
+    """Version of each package of a lock; every one has a hash."""
+    text = (ROOT / name).read_text("utf-8")
+    found = re.findall(r"^([\w.-]+)==(\S+) \\\n    --hash=sha256:[0-9a-f]{64}", text, re.MULTILINE)
+    assert len(found) == len(re.findall(r"^\S", text, re.MULTILINE)), name
+    return {canonicalize_name(package): version for package, version in found}
+
+
+def test_the_small_locks_are_parts_of_the_large_one() -> None:
+    """What is tried here is what is built with and installed; ``make lock`` makes all of them."""
+    everything = locked("requirements.lock")
+    for name in ("ci/runtime.lock", "ci/build.lock"):
+        assert set(locked(name).items()) <= set(everything.items())
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    assert {canonicalize_name(Requirement(text).name) for text in project["dependencies"]} <= set(
+        locked("ci/runtime.lock")
+    )
+    assert {"build", "hatchling"} <= set(locked("ci/build.lock"))
+    assert "cyclonedx-bom" in locked("ci/sbom.lock")
 
 
 def test_the_lock_has_everything_that_its_packages_ask_for() -> None:
     """Nothing else is installed, so nothing may be missing. Extras count, too."""
-    found = re.findall(r"^([\w.-]+)==(\S+)", (ROOT / "requirements.lock").read_text("utf-8"), re.MULTILINE)
-    locked = {canonicalize_name(name): version for name, version in found}
+    versions = locked("requirements.lock")
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     waiting = [Requirement(text) for text in (*project["dependencies"], *project["optional-dependencies"]["dev"])]
     seen = set()
@@ -88,7 +152,7 @@ def test_the_lock_has_everything_that_its_packages_ask_for() -> None:
         if (name, *wanted.extras) in seen or name == "plcgen":
             continue
         seen.add((name, *wanted.extras))
-        assert wanted.specifier.contains(locked[name], prereleases=True), str(wanted)
+        assert wanted.specifier.contains(versions[name], prereleases=True), str(wanted)
         for one in map(Requirement, requires(name) or ()):
             extras = ("", *wanted.extras)
             if one.marker is None or any(one.marker.evaluate({"extra": extra}) for extra in extras):
