@@ -41,12 +41,12 @@ class Outcome:
 
 
 class Copy:
-    """A copy of everything that generates and verifies; unchanged files are links, so that it is cheap."""
+    """A copy of everything that generates and verifies."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         for part in PARTS:
-            shutil.copytree(ROOT / part, folder / part, copy_function=_linked)
+            shutil.copytree(ROOT / part, folder / part)
         compileall.compile_dir(folder / "plcgen", quiet=1)
 
     def try_break(self, one: Break) -> Outcome:
@@ -83,13 +83,6 @@ class Copy:
             if done.returncode:
                 return Outcome(REFUSED, done.stderr.strip().rpartition("\n")[2])
             return Outcome(*json.loads(done.stdout.splitlines()[-1]))
-
-
-def _linked(source: str, target: str) -> None:
-    try:
-        os.link(source, target)
-    except OSError:  # another file system
-        shutil.copy2(source, target)
 
 
 @contextlib.contextmanager

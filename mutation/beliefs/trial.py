@@ -29,7 +29,7 @@ def trial(spec: str, out: str) -> tuple[str, str]:
 
 
 def _first(problems: object) -> str:
-    errors = [str(each) for each in problems if each.severity.value == "error"]  # type: ignore[attr-defined]
+    errors = [str(each) for each in problems if each.severity.label == "error"]  # type: ignore[attr-defined]
     return " ".join(errors[0].split()) if errors else "an error"
 
 
