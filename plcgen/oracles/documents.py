@@ -1,6 +1,6 @@
 """What documents say: published telegrams with their meaning, and facts about the shipped devices.
 
-``telegrams.toml`` and ``facts.toml`` are the data; every entry names its manual, page or entry.
+``telegrams.toml``, ``facts.toml`` and ``lists.toml`` are the data; every entry names its manual, page or list.
 """
 
 from __future__ import annotations
@@ -45,11 +45,27 @@ class PublishedTelegram:
 
 
 @dataclass(frozen=True)
+class PublishedSource:
+    """A signal source as a manual prints it: parameter, bit or index, drive object (None: the one addressed), value."""
+
+    number: int
+    index: int
+    drive_object: int | None
+    value: int
+    source: str
+
+
+@dataclass(frozen=True)
 class DocumentedType:
-    """Type of a parameter on the wire, and who says so."""
+    """Type of a parameter on the wire, and who says so; ``package`` is that of a list of Siemens' help."""
 
     type: str
     source: str
+    package: str = ""
+
+    def another(self, source: str) -> bool:
+        """Whether the document is another one than a source."""
+        return source != self.source and (not self.package or self.package not in source)
 
 
 @dataclass(frozen=True)
@@ -58,7 +74,8 @@ class DocumentedDevice:
 
     ``drive_object`` is the number that a drive has if nothing else is said, ``drive_objects`` all that the document
     names (empty: a rule). ``by_size`` as in a telegram, None if the document prints no answer. ``records`` are the
-    numbers of parameter records that it prints, by the path to the drive.
+    numbers of parameter records that it prints, by the path to the drive. ``elements`` is the most of one parameter in
+    a request, ``sources`` how values of sources are made up; 0 and empty: no document says so.
     """
 
     source: str
@@ -66,7 +83,17 @@ class DocumentedDevice:
     drive_objects: tuple[int, ...]
     by_size: bool | None
     records: Mapping[str, int]
-    parameters: Mapping[int, DocumentedType]
+    elements: int
+    sources: str
+
+
+@cache
+def sources() -> tuple[PublishedSource, ...]:
+    """Every published source (BICO)."""
+    return tuple(
+        PublishedSource(row["number"], row["index"], row.get("drive_object"), int(row["value"], 16), row["source"])
+        for row in _read("telegrams.toml")["source"]
+    )
 
 
 @cache
@@ -81,11 +108,37 @@ def device(key: str) -> DocumentedDevice | None:
     row = _read("facts.toml").get(key)
     if row is None:
         return None
-    types = {int(number): DocumentedType(**said) for number, said in row["parameters"].items()}
     objects = tuple(row["drive_objects"])
     return DocumentedDevice(
-        row["source"], row["drive_object"], objects, row.get("by_size"), row.get("records", {}), types
+        row["source"],
+        row["drive_object"],
+        objects,
+        row.get("by_size"),
+        row.get("records", {}),
+        row.get("elements", 0),
+        row.get("sources", ""),
     )
+
+
+@cache
+def alike() -> tuple[tuple[frozenset[int], str], ...]:
+    """Codes of one type, and who says so: which of them a drive answers depends on its firmware."""
+    return tuple((frozenset(row["codes"]), row["source"]) for row in _read("telegrams.toml")["alike"])
+
+
+@cache
+def types(key: str) -> Mapping[int, tuple[DocumentedType, ...]]:
+    """What documents say of the types of a device's parameters, by number: about the device first, then lists."""
+    found: dict[int, list[DocumentedType]] = {}
+    for number, said in _read("facts.toml").get(key, {}).get("parameters", {}).items():
+        found.setdefault(int(number), []).append(DocumentedType(**said))
+    lists = _read("lists.toml")
+    for name in lists["devices"].get(key, ()):
+        one = lists[name]
+        for type_, numbers in one["types"].items():
+            for number in numbers:
+                found.setdefault(number, []).append(DocumentedType(type_, one["source"], one["package"]))
+    return {number: tuple(said) for number, said in found.items()}
 
 
 def _telegram(row: Mapping[str, Any]) -> PublishedTelegram:

@@ -6,15 +6,19 @@ it means, and read that meaning from its bytes.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from plcgen.diagnostics import Diagnostic, Span
-from plcgen.oracles.documents import PublishedTelegram, published
+from plcgen.oracles.documents import PublishedTelegram, alike, published, sources
 from plcgen.proof.checks import Check, Outcome
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.wire import codec, formats
+from plcgen.protocols.ds47.wire.bico import SELF, BicoSource, read_bico
 from plcgen.protocols.ds47.wire.model import ErrorBlock, ParameterAddress, Request, RequestId, Response, ValueBlock
+
+_BUG = "this is a bug of this copy of plcgen: please report it"
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,12 +61,38 @@ def published_checks(plan: DrivePlan) -> Iterator[Check]:
         wrong = next((found for one in known if (found := disagreement(one))), "")
         text = "; ".join(one.source for one in known)
         if wrong:
-            problem = Diagnostic(
-                "PG640", wrong, Span(""), help="this is a bug of this copy of plcgen: please report it"
-            )
+            problem = Diagnostic("PG640", wrong, Span(""), help=_BUG)
             yield Check(id_, str(form), text, Outcome.ERROR, wrong, problem)
         else:
             yield Check(id_, str(form), text, Outcome.OK, "byte for byte as published")
+    for codes, source in alike():
+        if any(use.format.code in codes and not use.writes for job in plan.shapes for use in job.uses):
+            yield _alike_check(codes, source)
+    if any(use.sources for job in plan.shapes for use in job.uses):
+        yield _source_check()
+
+
+def _alike_check(codes: frozenset[int], source: str) -> Check:
+    """A value is read the same in each of the codes of its type."""
+    names = " and ".join(formats.by_code(code).name for code in sorted(codes))
+    for declared, came in itertools.permutations(map(formats.by_code, codes), 2):
+        if came.code not in formats.answers(declared):
+            message = f"{declared.name} answered as {came.code:02X}h is refused here, but not in: {source}"
+            problem = Diagnostic("PG640", message, Span(""), help=_BUG)
+            return Check("published.alike", names, source, Outcome.ERROR, message, problem)
+    return Check("published.alike", names, source, Outcome.OK, "either code is taken")
+
+
+def _source_check() -> Check:
+    """Values of sources (BICO) as manuals print them."""
+    text = "; ".join(dict.fromkeys(one.source for one in sources()))
+    for one in sources():
+        made = BicoSource(one.number, one.index, SELF if one.drive_object is None else one.drive_object)
+        if made.value != one.value or read_bico(one.value) != made:
+            message = f"{made} is {made.value:08X}h here, {one.value:08X}h in: {one.source}"
+            problem = Diagnostic("PG640", message, Span(""), help=_BUG)
+            return Check("published.source", "sources (BICO)", text, Outcome.ERROR, message, problem)
+    return Check("published.source", "sources (BICO)", text, Outcome.OK, "as published")
 
 
 def disagreement(one: PublishedTelegram) -> str:

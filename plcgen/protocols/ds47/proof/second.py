@@ -7,13 +7,13 @@ shipped device, its drive object and its parameters' types, is looked up apart f
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, has_errors
 from plcgen.diagnostics.counting import quantity
 from plcgen.oracles import profidrive
-from plcgen.oracles.documents import DocumentedDevice, device
+from plcgen.oracles.documents import DocumentedDevice, DocumentedType, device, types
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive, Use
@@ -26,6 +26,9 @@ LOCAL = 0xB02E
 """The record that addresses one drive object whatever the request says."""
 ANOTHER_TYPE = {0x08: 0x04, 0x07: 0x04, 0x04: 0x07, 0x06: 0x03, 0x03: 0x06, 0x05: 0x02, 0x02: 0x05}
 """A format of the same size that is not that of the parameter."""
+
+
+_SHOWN = 8
 
 
 class _DifferenceError(Exception):
@@ -48,19 +51,30 @@ def fact_checks(plan: DrivePlan) -> Iterator[Check]:
             text = f"drive object, record: {said.source}"
             yield _agreement(id_, subject, text, "as documents say", list(_address(plan, drive, said)))
     for key, pairs in asked.items():
-        said = device(key)
-        if said is None:
-            continue
-        numbers = {use.parameter.pnu for _, use in pairs}
-        known = sorted(numbers & set(said.parameters))
-        id_, subject = f"types.{key}", f"types: {key}"
-        if not known:
-            verdict = f"not run: no second source was found for the type of {quantity(len(numbers), 'parameter')}"
-            yield Check(id_, subject, "", Outcome.NOT_RUN, verdict)
-            continue
-        verdict = f"{len(known)} of {quantity(len(numbers), 'parameter')} as documents say"
-        text = "; ".join(dict.fromkeys(said.parameters[number].source for number in known))
-        yield _agreement(id_, subject, text, verdict, list(_types(plan, pairs, said)))
+        yield _type_check(plan, key, pairs)
+
+
+def _type_check(plan: DrivePlan, key: str, pairs: Sequence[tuple[PlannedDrive, Use]]) -> Check:
+    """The types of a device against every document, and which of them only the profile's own document states."""
+    documented = types(key)
+    second: dict[int, DocumentedType] = {}
+    for _, use in pairs:
+        others = (one for one in documented.get(use.parameter.pnu, ()) if one.another(use.parameter.source))
+        found = next(others, None)
+        if found is not None:
+            second[use.parameter.pnu] = found
+    single = {use.parameter.pnu: use.label.partition("[")[0] for _, use in pairs if use.parameter.pnu not in second}
+    id_, subject = f"types.{key}", f"types: {key}"
+    wrong = list(_types(plan, pairs, documented))
+    if not second and not wrong:
+        verdict = f"not run: no second source was found for the type of {quantity(len(single), 'parameter')}"
+        return Check(id_, subject, "", Outcome.NOT_RUN, verdict)
+    verdict = f"{len(second)} of {quantity(len(second) + len(single), 'parameter')} as documents say"
+    if single:
+        shown = [single[number] for number in sorted(single)]
+        verdict += f"; one source: {', '.join(shown[:_SHOWN])}{', ..' if len(shown) > _SHOWN else ''}"
+    text = "; ".join(dict.fromkeys(one.source for one in second.values()))
+    return _agreement(id_, subject, text, verdict, wrong)
 
 
 def _agreement(id_: str, subject: str, text: str, verdict: str, wrong: Sequence[Diagnostic]) -> Check:
@@ -80,20 +94,28 @@ def _address(plan: DrivePlan, drive: PlannedDrive, said: DocumentedDevice) -> It
     elif said.drive_objects and number not in said.drive_objects:
         numbers = ", ".join(map(str, said.drive_objects))
         yield Diagnostic("PG640", f"drive object {number}: {said.source} says {numbers}", place)
+    if said.elements and drive.device.max_elements != said.elements:
+        message = f"{drive.device.max_elements} elements of one parameter: {said.source} says {said.elements}"
+        yield Diagnostic("PG640", message, place)
+    if said.sources and drive.device.bico != said.sources:
+        message = f"sources of {drive.device.key} are {drive.device.bico} here, {said.sources} in printed values"
+        yield Diagnostic("PG640", message, place)
     if drive.record_index not in profidrive.RECORDS:
         message = f"record {drive.record_index:04X}h is not a parameter record: use 002Fh, B02Eh or B02Fh"
         yield Diagnostic("PG640", message, place)
 
 
-def _types(plan: DrivePlan, uses: Sequence[tuple[PlannedDrive, Use]], said: DocumentedDevice) -> Iterator[Diagnostic]:
+def _types(
+    plan: DrivePlan, uses: Sequence[tuple[PlannedDrive, Use]], documented: Mapping[int, Sequence[DocumentedType]]
+) -> Iterator[Diagnostic]:
     """A type of the profile that documents contradict is an error, one of the user's own a warning."""
     for drive, use in uses:
-        documented = said.parameters.get(use.parameter.pnu)
-        if documented is None or documented.type == use.format.name:
-            continue
-        severity = Severity.ERROR if _of_profile(drive, use) else Severity.WARNING
-        message = f"{use.label} is {use.format.name} here, {documented.type} in: {documented.source}"
-        yield Diagnostic("PG640", message, plan.loaded.span(use.path), severity)
+        against = (one for one in documented.get(use.parameter.pnu, ()) if one.type != use.format.name)
+        found = next(against, None)
+        if found is not None:
+            severity = Severity.ERROR if _of_profile(drive, use) else Severity.WARNING
+            message = f"{use.label} is {use.format.name} here, {found.type} in: {found.source}"
+            yield Diagnostic("PG640", message, plan.loaded.span(use.path), severity)
 
 
 def second_checks(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
@@ -183,8 +205,8 @@ def second_drive(plan: DrivePlan, drive: PlannedDrive, first: Drive) -> profidri
     parameters: dict[int, profidrive.HeldParameter] = {}
     for use in uses:
         held = first.objects[drive.drive_object].parameters[use.parameter.pnu]
-        documented = said.parameters.get(use.parameter.pnu) if said is not None and _of_profile(drive, use) else None
-        name = documented.type if documented is not None else use.format.name
+        documented = types(drive.device.key).get(use.parameter.pnu, ()) if _of_profile(drive, use) else ()
+        name = documented[0].type if documented else use.format.name
         if name in profidrive.TYPES:
             values = _numbers(name, held.values, use)
             low, high, read_only = use.parameter.minimum, use.parameter.maximum, use.parameter.access == "r"

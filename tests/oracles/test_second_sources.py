@@ -1,0 +1,85 @@
+"""Facts that are typed twice: what verify says if the second text disagrees, and where there is no second one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from plcgen import api
+from plcgen.oracles import documents
+from plcgen.proof.checks import Check, Outcome
+from plcgen.protocols.ds47.plan.nouns import DrivePlan
+from plcgen.protocols.ds47.proof import published, second
+
+SPEC = """
+plc: {name: a, family: s7-1500, toolchain: tia-v19}
+drives:
+  axis: {device: sinamics-s120, hardware_id: 281, drive_object: 3}
+  belt: {device: sinamics-dcm, hardware_id: 290}
+jobs:
+  read_axis: {drive: axis, read: ["r948[0]"]}
+  connect: {drive: axis, write: {"P2112[0]": r899.2}}
+  read_belt: {drive: belt, read: [P50303, P50301]}
+"""
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> DrivePlan:
+    """Parameters of a list with a second source, of one list alone, and of a manual that nobody else prints."""
+    (tmp_path / "job.yaml").write_text(SPEC, "utf-8")
+    project = api.check(tmp_path / "job.yaml").project
+    assert project is not None
+    return project.plan(DrivePlan)
+
+
+def facts(plan: DrivePlan) -> dict[str, Check]:
+    return {check.id: check for check in second.fact_checks(plan)}
+
+
+def test_one_source_is_told(plan: DrivePlan) -> None:
+    """p50303 is in a FAQ besides the profile's manual, p50301 is not; r948 and p2112 are in lists."""
+    found = facts(plan)
+    assert found["types.sinamics-dcm"].verdict == "1 of 2 parameters as documents say; one source: P50301"
+    assert found["types.sinamics-s120"].verdict == "2 of 2 parameters as documents say"
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({"elements": 39}, "117 elements of one parameter"),
+        ({"sources": "plain"}, "sources of sinamics-s120 are drive-object here, plain in printed values"),
+    ],
+)
+def test_a_device_that_documents_contradict(
+    plan: DrivePlan, monkeypatch: pytest.MonkeyPatch, changed: dict[str, object], says: str
+) -> None:
+    """Elements of a request and the make-up of sources."""
+    said = documents.device("sinamics-s120")
+    assert said is not None
+    monkeypatch.setattr(second, "device", lambda _key: replace(said, drive_objects=(), **changed))
+    found = facts(plan)["facts.axis"]
+    assert (found.outcome, found.diagnostic is not None and found.diagnostic.code) == (Outcome.ERROR, "PG640")
+    assert says in found.verdict
+
+
+def test_a_list_that_contradicts_is_an_error(plan: DrivePlan, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where it is the list that the profile was made from."""
+    wrong = {2112: (documents.DocumentedType("Integer16", "parameters of TM41 (package sdrpa201)", "sdrpa201"),)}
+    monkeypatch.setattr(second, "types", lambda _key: wrong)
+    found = facts(plan)["types.sinamics-s120"]
+    assert found.outcome is Outcome.ERROR
+    assert "P2112[0] is Unsigned32 here, Integer16 in: parameters of TM41" in found.verdict
+
+
+def test_published_sources_and_codes(plan: DrivePlan, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Values of BICO sources, and the two codes of a TimeDifference, each as printed."""
+    found = {check.id: check for check in published.published_checks(plan)}
+    assert found["published.source"].outcome is found["published.alike"].outcome is Outcome.OK
+    printed = documents.sources()[0]
+    monkeypatch.setattr(published, "sources", lambda: (replace(printed, value=0x02D20002),))
+    monkeypatch.setattr(published, "alike", lambda: ((frozenset({0x0D, 0x35}), "a manual"),))
+    found = {check.id: check for check in published.published_checks(plan)}
+    assert found["published.source"].verdict.startswith("r722.2 is 02D2FC02h here, 02D20002h in: SINAMICS G110M")
+    assert "is refused here, but not in: a manual" in found["published.alike"].verdict
