@@ -27,6 +27,9 @@ _LARGE = 1024 * 1024
 """Characters of sources beyond which their trees are not kept: they take more than ten times as much memory."""
 _CODE, _DATA = re.compile(rb"<SW\.Blocks\.(FB|FC|OB) "), re.compile(rb"<SW\.(Tags|Blocks\.(GlobalDB|InstanceDB))")
 
+_NUMBERED = re.compile(r"^\| (\S{1,125}) \| DB(\d{1,5}) \|$", re.MULTILINE)
+"""A row of IMPORT.md that gives a data block its number."""
+
 
 @dataclass(frozen=True, slots=True)
 class FolderParts:
@@ -78,7 +81,8 @@ def load_folder(
     symbols: Mapping[str, tuple[str, str]] | None = None,
     more: Iterable[Source] = (),
 ) -> Program:
-    """Load the generated sources of a folder; symbols come from ``*.sdf``, tags and numbers from ``xml/*.xml``.
+    """Load the generated sources of a folder; symbols come from ``*.sdf``, tags and numbers from ``xml/*.xml``,
+    without documents the numbers from IMPORT.md.
 
     ``constants`` are system constants by their names; ``symbols`` (address and type by name) and ``more`` are tags and
     sources that do not lie in the folder.
@@ -110,6 +114,10 @@ def read_parts(
             for block in () if found else read_simaticml(document, classic=dialect.classic)[0]:
                 if block.kind is BlockKind.DB and block.number is not None:
                     numbers[block.name] = block.number
+    guide = folder / "IMPORT.md"
+    if not numbers and guide.is_file():  # without documents, whoever imports gives the numbers that matter by hand
+        rows = _NUMBERED.findall(read_bounded(guide, MAX_BYTES).decode("utf-8", "replace"))
+        numbers = {name: int(number) for name, number in rows}
     return FolderParts((*map(_text, generated_sources(folder)), *more), tags, numbers, dict(constants or {}))
 
 

@@ -42,10 +42,18 @@ def flag_name(stem: str, signal: str) -> str:
 
 
 def structure(frame: Frame, command: Command) -> MemberRow:
-    """A job's structure in the control DB: what the trigger does not place in flags, and the values."""
+    """A job's structure in the control DB: what the trigger does not place in flags, and the values.
+
+    It may have no members: an empty structure is not declared.
+    """
     inner = [signal for signal in command.signals if signal.name not in command.flags]
     values = [value.member for value in (*command.inputs, *command.outputs)]
     return plain(frame, command.member, "Struct", command.title)._replace(members=(*inner, *values))
+
+
+def placeholder(frame: Frame) -> MemberRow:
+    """What a control DB holds if no job has anything there: a data block has at least one member."""
+    return plain(frame, "unused", type_words(tia=not frame.target.v5)["BOOL"], "every signal of every job is a flag")
 
 
 def tags(command: Command) -> list[TagRow]:

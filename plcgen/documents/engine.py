@@ -56,7 +56,8 @@ class _Emitter:
             yield from self.program(program)
             commands += program.commands
         for block, title in contribution.controls.items():
-            members = [control.structure(self.project, command) for command in commands if command.control == block]
+            made = [control.structure(self.project, command) for command in commands if command.control == block]
+            members = [one for one in made if one.members] or [control.placeholder(self.project)]
             yield from self.data(DataBlock(block, title, members))
         if tags := [tag for command in commands for tag in control.tags(command)]:
             self.seen.tags[contribution.tag_table] = tags

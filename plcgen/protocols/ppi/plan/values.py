@@ -165,12 +165,12 @@ class ValueResolver:
         return ELEMENTARY[name], item.count, stride, skip
 
     def _pack(self, given: PpiWriteItem, element: Elementary, count: int, path: SpecPath) -> bytes | None:
-        """Wire bytes of the constant or start value; one value fills an array."""
+        """Wire bytes of the constant or start value; one value fills an array. Without one: 0, of a CHAR a blank."""
         value = given.value if given.value is not None else given.start
         place = (*path, "value" if given.value is not None else "start")
-        if value is None:
-            return bytes(count * max(1, element.bits // 8))
         name = element.name
+        if value is None:
+            return b" " * count if name == "CHAR" else bytes(count * max(1, element.bits // 8))
         if name == "BOOL" and not isinstance(value, bool) and value in {0, 1}:
             value = bool(value)
         whole = isinstance(value, int) and not isinstance(value, bool)

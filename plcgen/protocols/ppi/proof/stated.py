@@ -102,7 +102,7 @@ class StatedBed:
         """The structure of each job in the control DB, in the order of the spec; a job may have no member at all."""
         wanted = [(port, job) for port in ports.values() for job in port.jobs if job.values or self._signals(job)]
         try:
-            fields = layout_of(self.program, CONTROL).shape.fields
+            fields = layout_of(self.program, CONTROL).shape.fields if wanted else ()
         except ScenarioError:
             fields = ()
         names = {job.path: folded(job.key if len(ports) == 1 else port.key + job.key) for port, job in wanted}

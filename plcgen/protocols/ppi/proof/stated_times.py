@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from plcgen.oracles.spec.ppi.statement import PpiStatement
+from plcgen.oracles.spec.ppi.statement import CHARACTER_BITS, GAP_BITS, LONGEST_MESSAGE, PpiStatement
 from plcgen.oracles.spec.ppi.stations import READ, HeardPoll
 from plcgen.protocols.ppi.proof.stated import StatedBed
 from plcgen.protocols.ppi.proof.words import DONE, WORDS
 
-LATE = 16
-"""Milliseconds behind a time in scans of 1 ms: the calls of the module, which a CP 341 takes most of."""
+CALLS = 5
+"""Calls of 1 ms behind a time: the module's blocks begin and end in calls of their own."""
+PIECE = 32
+"""Bytes of a frame that cost a CP 341 a call more (A5E02191071-01, table 6-15)."""
+MOST_CALLS = 20
+"""Calls behind which a time is surely over."""
 EARLY = 2
 """Milliseconds in front: the clock counts whole ones."""
 SHORTEST = 100
@@ -21,13 +25,22 @@ def times(bed: StatedBed) -> None:
     """Waiting, repeating, polling; then timeout and cycle of every job."""
     job = next((job for job in bed.jobs if job.service == READ), bed.jobs[0])
     longest = _longest(bed)
-    port = bed.port
-    _unanswered(bed, job, "request", port.ack_wait() + port.retry_pause)
-    _unanswered(bed, job, "poll", port.reply_wait(longest) + port.retry_pause)
+    port, module = bed.port, bed.module.settings
+    if not port.classic and (module.gap_bits, module.max_length) != (GAP_BITS, LONGEST_MESSAGE):
+        ends = f"a gap of {module.gap_bits} bit times or {module.max_length} bytes"
+        said = f"a gap of {GAP_BITS} bit times or {LONGEST_MESSAGE} bytes"
+        raise bed.wrong(port.path, "what ends a message", said, ends)
+    _unanswered(bed, job, "request", port.ack_wait())
+    _unanswered(bed, job, "poll", port.reply_wait(longest))
     _not_ready(bed, job)
     for each in bed.jobs:
         _timeout(bed, each)
         _again(bed, each)
+
+
+def _calls(bed: StatedBed, octets: int) -> int:
+    """Milliseconds that the calls of the module take beside a time."""
+    return CALLS + 3 + octets // PIECE if bed.port.classic else CALLS
 
 
 def _longest(bed: StatedBed) -> int:
@@ -38,19 +51,22 @@ def _longest(bed: StatedBed) -> int:
     return bed.line.longest
 
 
-def _unanswered(bed: StatedBed, job: PpiStatement, what: str, wait: int) -> None:
-    """A frame that is not answered is repeated as it is, ``retries`` times, a wait and a pause apart."""
+def _unanswered(bed: StatedBed, job: PpiStatement, what: str, timeout: int) -> None:
+    """A frame that is not answered is repeated as it is, ``retries`` times, its timeout and a pause apart."""
     port = bed.port
+    wait = timeout + port.retry_pause
     bed.power_up()
     bed.line.deaf, bed.line.mute = what == "request", what == "poll"
-    status, began = _failing(bed, job, wait)
+    status, began = _failing(bed, job, (timeout, wait))
     kind = HeardPoll if what == "poll" else object
     heard = [one for one in bed.line.heard if isinstance(one.meaning, kind)]
+    said = f"{what} without an answer"
+    if not heard:
+        raise bed.wrong(job.path, f"frames of {job.key}", f"a {what}", f"none, status 16#{status:04X}")
     begins = [begin for begin, (_, frame) in zip(bed.begins(), bed.module.sent, strict=True) if frame == heard[0].frame]
     ends = [end for end, frame in bed.module.sent if frame == heard[0].frame]
-    said = f"{what} without an answer"
     for end, again in zip(ends, begins[1:], strict=False):
-        if not wait - EARLY <= again - end <= wait + LATE:
+        if not wait - EARLY <= again - end <= wait + _calls(bed, len(heard[0].frame)):
             raise bed.wrong(port.path, f"time to the repetition of a {said}", f"{wait} ms", f"{again - end:.0f} ms")
     if status == WORDS["TIMEOUT"] and bed.cpu.clock - began >= job.timeout:
         return
@@ -66,12 +82,11 @@ def _not_ready(bed: StatedBed, job: PpiStatement) -> None:
     port = bed.port
     bed.power_up()
     bed.line.busy = True
-    status, began = _failing(bed, job, port.poll_pause)
-    pairs = [(end - 0.0, begin) for (end, _), begin in zip(bed.module.sent[1:], bed.begins()[2:], strict=False)]
-    answer = 1 * 11_000 / port.baud + 35_000 / port.baud
-    for end, again in pairs:
+    status, began = _failing(bed, job, ())
+    answer = (CHARACTER_BITS + GAP_BITS) * 1000 / port.baud
+    for (end, _), again in zip(bed.module.sent[1:], bed.begins()[2:], strict=False):
         gap = again - end - answer
-        if not port.poll_pause - EARLY <= gap <= port.poll_pause + LATE:
+        if not port.poll_pause - EARLY <= gap <= port.poll_pause + _calls(bed, 1):
             raise bed.wrong(port.path, "time from E5 to the next poll", f"{port.poll_pause} ms", f"{gap:.0f} ms")
     if status == WORDS["TIMEOUT"] and bed.cpu.clock - began >= job.timeout:
         return
@@ -82,16 +97,21 @@ def _not_ready(bed: StatedBed, job: PpiStatement) -> None:
         raise bed.wrong(port.path, f"status of {job.key} if the station is never ready", "16#8205", f"16#{status:04X}")
 
 
-def _failing(bed: StatedBed, job: PpiStatement, wait: int) -> tuple[int, int]:
-    """Run a job to its error, fine where something may happen: status, and when it was started."""
-    began = bed.cpu.clock
+def _failing(bed: StatedBed, job: PpiStatement, waits: tuple[int, ...]) -> tuple[int, int]:
+    """Run a job to its error: status, and when it was started.
+
+    ``waits`` are the times behind a frame without an answer at which something happens: between them scans are long.
+    """
     bed.start(job)
-    sent, moment = 0, began
+    bed.cpu.scan(1)
+    began = bed.cpu.clock
+    sent, ended = 0, began
     while not bed.over(job) and bed.cpu.clock - began <= job.timeout + 10_000:
         if sent != len(bed.module.sent):
-            sent = len(bed.module.sent)
-            moment = bed.cpu.clock + (0 if bed.line.answers else wait)
-        bed.until(min(moment, began + job.timeout))
+            sent, ended = len(bed.module.sent), bed.cpu.clock
+        moments = [] if bed.line.answers else [ended + wait for wait in waits]
+        ahead = [moment for moment in (*moments, began + job.timeout) if moment + MOST_CALLS > bed.cpu.clock]
+        bed.until(min(ahead) if sent and moments and ahead else bed.cpu.clock)
     return bed.signal(job, "status"), began
 
 
@@ -126,28 +146,31 @@ def _again(bed: StatedBed, job: PpiStatement) -> None:
         if bed.line.heard or bed.module.transmitting or bed.signal(job, "status") != DONE:
             raise bed.wrong(job.path, f"{job.key} has no cycle and runs", "once", "again")
         return
-    status = bed.run(job)
-    if status != DONE:
-        raise bed.wrong(job.path, f"status of {job.key}", "16#0000", f"16#{status:04X}")
-    starts: list[float] = []
-    ends: list[int] = []
-    number = len(bed.module.sent)
-    moment: float = bed.cpu.clock + job.cycle - 2 * SHORTEST
-    busy = True
-    while len(starts) < ROUNDS and bed.cpu.clock < LONG * 2:
-        bed.until(moment)
-        if busy and bed.over(job):
-            busy = False
-            ends.append(bed.cpu.clock)
-            moment = starts[-1] + job.cycle - SHORTEST if starts else moment
-            number = len(bed.module.sent)
-        elif len(bed.module.sent) > number:
-            if not busy:
-                starts.append(bed.begins()[number])
-            number, busy = len(bed.module.sent), True
-    for start, end, again in zip(starts, ends[1:], starts[1:], strict=False):
-        longest = max(job.cycle, end - start)
-        if not job.cycle - EARLY <= again - start <= longest + LATE:
+    starts, ends = _rounds(bed, job, job.cycle)
+    for start, end, again in zip(starts, ends, starts[1:], strict=False):
+        longest = max(job.cycle, end - start + MOST_CALLS)
+        if not job.cycle - EARLY <= again - start <= longest + _calls(bed, PIECE):
             raise bed.wrong(job.path, f"cycle of {job.key}", f"{job.cycle} ms", f"{again - start:.0f} ms")
     if len(starts) < ROUNDS:
         raise bed.wrong(job.path, f"cycle of {job.key}", f"{job.cycle} ms", "it does not start again")
+
+
+def _rounds(bed: StatedBed, job: PpiStatement, cycle: int) -> tuple[list[float], list[float]]:
+    """When the first frame of some rounds of a job began, and when each round ended; the very first is left out."""
+    starts: list[float] = []
+    ends: list[float] = []
+    moment: float = bed.cpu.clock + cycle
+    last = moment + (ROUNDS + 1) * (cycle + job.timeout)
+    status = bed.run(job)
+    if status != DONE:
+        raise bed.wrong(job.path, f"status of {job.key}", "16#0000", f"16#{status:04X}")
+    number, resting = len(bed.module.sent), True
+    while len(starts) < ROUNDS and bed.cpu.clock < last:
+        bed.until(moment if resting else bed.cpu.clock)
+        if len(bed.module.sent) > number and resting:
+            starts.append(bed.begins()[number])
+            resting = False
+        elif bed.over(job) and not resting:
+            ends.append(bed.cpu.clock)
+            resting, number, moment = True, len(bed.module.sent), starts[-1] + cycle
+    return starts, ends
