@@ -21,7 +21,7 @@ from plcgen.proof.idle import idle_check
 from plcgen.proof.results import Result, added
 from plcgen.proof.rig import ProgramBench
 from plcgen.proof.runner import Runner
-from plcgen.proof.scenario import Failure, ScenarioError, SpecMismatchError, Statistics, diagnostic
+from plcgen.proof.scenario import Failure, ScenarioError, Statistics, diagnostic
 from plcgen.proof.sharing import Sharing
 from plcgen.proof.suite import CodeBlock, Procedure, Suite, WorkPart
 from plcgen.scl.logic import DECIDES
@@ -108,11 +108,8 @@ def check_execution(
             yield from suite.own(program, partner)
         if level == "none":
             continue
-        ran = [(procedure.check, next(found)) for procedure in work.procedures[number]]
-        together = _joined([result for check, result in ran if check is None])
+        together = _joined([next(found) for _ in work.procedures[number]])
         yield together_check(suite, together)
-        for good in dict.fromkeys(check for check, _ in ran if check is not None):
-            yield procedures_check(good, _joined([result for check, result in ran if check == good]), suite.page)
         yield from suite.left_out()
         every += [*results.values(), together]
         if not any(result.failures for result in (*results.values(), together)):
@@ -220,14 +217,10 @@ def attempt(procedure: Procedure) -> tuple[Failure | None, list[int]]:
     """Run a procedure on a CPU of its own; what failed, and the counters of coverage."""
     try:
         bed = procedure.bed()
-    except SpecMismatchError as problem:
-        return Failure(procedure.name, 0, str(problem), problem.span.file, problem.span.line, spec=True), []
     except (ScenarioError, KeyError) as problem:
         return Failure(procedure.name, 0, f"the blocks cannot be called: {problem}", "", 0), []
     try:
         procedure.run(bed)
-    except SpecMismatchError as problem:
-        return Failure(procedure.name, bed.scans, str(problem), problem.span.file, problem.span.line, spec=True), []
     except ScenarioError as problem:
         message = str(problem)
     except Exception as problem:  # noqa: BLE001 - changed sources may make the simulated CPU itself fail
@@ -285,14 +278,10 @@ def job_checks(suite: Suite[Any], job: PlannedJob, result: Result, level: Faults
 
 def together_check(suite: Suite[Any], result: Result) -> Check:
     """The check of all jobs of a suite."""
-    return procedures_check(suite.together(result.statistics.runs), result, suite.page)
-
-
-def procedures_check(good: Check, result: Result, page: str) -> Check:
-    """The check of procedures whose results are joined."""
+    good = suite.together(result.statistics.runs)
     if not result.failures:
         return replace(good, text=f"{good.text}; {result.made}") if result.made else good
-    found = diagnostic("PG621", good.subject, result.failures, page)
+    found = diagnostic("PG621", good.subject, result.failures, suite.page)
     return failed(good.id, good.subject, good.text, found, str(result.failures[0]))
 
 

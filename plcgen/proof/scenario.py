@@ -16,14 +16,6 @@ class ScenarioError(PlcgenError):
     """The block did not do what the scenario demands."""
 
 
-class SpecMismatchError(ScenarioError):
-    """The program does something else than the spec demands at ``span``."""
-
-    def __init__(self, what: str, wanted: str, found: str, span: Span) -> None:
-        super().__init__(f"{what}: the spec says {wanted}, found {found}")
-        self.span = span
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scenario:
     """One run of a job: circumstances, and what must come out.
@@ -49,17 +41,13 @@ class Scenario:
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """A scenario that failed: in which scan it was noticed, at which statement.
-
-    ``spec`` says that it contradicts the spec, and that ``file`` and ``line`` are a place there.
-    """
+    """A scenario that failed: in which scan it was noticed, at which statement."""
 
     scenario: str
     scan: int
     message: str
     file: str
     line: int
-    spec: bool = False
 
     def __str__(self) -> str:
         return f"{self.scenario}, scan {self.scan}: {self.message}"
@@ -82,9 +70,6 @@ class Statistics:
 def diagnostic(code: str, key: str, failures: Sequence[Failure], page: str) -> Diagnostic:
     """One diagnostic for the failures of a job; ``page`` describes how the block works."""
     first = failures[0]
-    if first.spec:
-        span = Span(first.file, first.line, 1)
-        return Diagnostic("PG641", f"{key}: {first.message}", span, help=f"{page} says what is compared with the spec")
     more = f" (and {len(failures) - 1} more)" if len(failures) > 1 else ""
     line = f"; the statement is {Path(first.file).name}:{first.line}" if first.file and first.line else ""
     span = Span(first.file, first.line, min(first.line, 1))

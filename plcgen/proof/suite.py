@@ -87,14 +87,12 @@ class Procedure:
     """Something that several jobs do to each other; ``run`` raises ScenarioError.
 
     ``reads`` is what it looks at, None for all of the project. What comes out must not depend on what ran before.
-    ``check`` is the check that it belongs to, if all of its procedures go well; None: that of all jobs together.
     """
 
     name: str
     bed: Callable[[], Bed]
     run: Callable[[Any], None]
     reads: Reads | None = None
-    check: Check | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,9 +14,9 @@ from itertools import islice
 from math import ceil
 from typing import Any
 
+from plcgen.oracles.spec.place import Keys, NotStatedError
 from plcgen.oracles.spec.ppi.stations import AREAS, ELEMENTS, READ, RUN, STOP, WRITE, Extent, Number, to_bytes
 
-SpecKeys = tuple[str | int, ...]
 Texts = Mapping[str, bytes]
 
 _UNITS = {"ms": 1, "s": 1000, "min": 60_000}
@@ -37,10 +37,6 @@ CHARACTER_BITS, GAP_BITS, LONGEST_MESSAGE = 11, 35, 512
 SERVICES = {"read": READ, "write": WRITE, "run": RUN, "stop": STOP}
 
 
-class UnexplainedError(ValueError):
-    """The spec says something that the documents do not explain."""
-
-
 @dataclass(frozen=True)
 class StatedAddress:
     """One address of a job.
@@ -58,7 +54,7 @@ class StatedAddress:
     places: tuple[Extent, ...]
     constant: Number | None
     start: Number
-    path: SpecKeys
+    path: Keys
 
     @property
     def whole(self) -> Extent:
@@ -83,7 +79,7 @@ class PpiStatement:
     timeout: int
     merged: bool
     flags: Mapping[str, str]
-    path: SpecKeys
+    path: Keys
 
     @property
     def inputs(self) -> tuple[StatedAddress, ...]:
@@ -114,7 +110,7 @@ class StatedPort:
     retry_pause: int
     polls: int
     poll_pause: int
-    path: SpecKeys
+    path: Keys
 
     @property
     def classic(self) -> bool:
@@ -141,9 +137,9 @@ class StatedPort:
 
 
 def stated_ports(spec: Mapping[str, Any], files: Texts) -> Iterator[StatedPort]:
-    """Every master of a spec; ``files`` are the symbol tables that it names. Raises UnexplainedError."""
+    """Every master of a spec; ``files`` are the symbol tables that it names. Raises NotStatedError."""
     for key, said in spec["ppi"].items():
-        path: SpecKeys = ("ppi", key)
+        path: Keys = ("ppi", key)
         symbols = {name: _symbols(one.get("symbols"), files) for name, one in said["stations"].items()}
         stations = {name: int(one["address"]) for name, one in said["stations"].items()}
         jobs = tuple(
@@ -180,11 +176,11 @@ def _ms(text: str | None, default: int) -> int:
         return default
     found = re.fullmatch(r"(\d+)(ms|s|min)", str(text).replace(" ", ""))
     if found is None:
-        raise UnexplainedError(f"{text} is no time")
+        raise NotStatedError(f"{text} is no time")
     return int(found[1]) * _UNITS[found[2]]
 
 
-def _job(key: str, said: Mapping[str, Any], station: int, symbols: Mapping[str, str], path: SpecKeys) -> PpiStatement:
+def _job(key: str, said: Mapping[str, Any], station: int, symbols: Mapping[str, str], path: Keys) -> PpiStatement:
     verb = next(verb for verb in SERVICES if said.get(verb) is not None)
     values = tuple(_values(said[verb], symbols, (*path, verb))) if verb in ("read", "write") else ()
     trigger = said.get("trigger") or {}
@@ -201,7 +197,7 @@ def _job(key: str, said: Mapping[str, Any], station: int, symbols: Mapping[str, 
     )
 
 
-def _values(said: Any, symbols: Mapping[str, str], path: SpecKeys) -> Iterator[StatedAddress]:
+def _values(said: Any, symbols: Mapping[str, str], path: Keys) -> Iterator[StatedAddress]:
     """Addresses in any of their forms: a text, a list of texts and long forms, address and value."""
     if isinstance(said, str):
         said = [said]
@@ -213,7 +209,7 @@ def _values(said: Any, symbols: Mapping[str, str], path: SpecKeys) -> Iterator[S
         yield _value(one, symbols, (*path, number))
 
 
-def _value(said: Mapping[str, Any], symbols: Mapping[str, str], path: SpecKeys) -> StatedAddress:
+def _value(said: Mapping[str, Any], symbols: Mapping[str, str], path: Keys) -> StatedAddress:
     text = str(said["item"])
     symbol = symbols.get(text.casefold())
     places, default, count = _places(symbol or text)
@@ -230,7 +226,7 @@ def _number(said: Any, kind: str) -> Number | None:
         return None
     if isinstance(said, str):
         if kind != "CHAR" or len(said) != 1:
-            raise UnexplainedError(f"{said!r} is no {kind}")
+            raise NotStatedError(f"{said!r} is no {kind}")
         return said.encode("cp1252")[0]
     return float(said) if kind == "REAL" else int(said)
 
@@ -250,7 +246,7 @@ def _standard_name(text: str) -> str:
 def _parsed(text: str) -> Mapping[str, str]:
     found = _ADDRESS.fullmatch(text.strip().lstrip("%").replace(" ", "").upper())
     if found is None:
-        raise UnexplainedError(f"{text} is neither a symbol nor an address")
+        raise NotStatedError(f"{text} is neither a symbol nor an address")
     return found.groupdict()
 
 

@@ -214,7 +214,7 @@ def _written(items: list[tuple[Extent, int]], data: bytes) -> Iterator[AskedItem
 
 
 @dataclass
-class StationMemory:
+class AnsweringMemory:
     """What a station holds: bytes by area, elements by area and number; what was never set reads as ``rest``."""
 
     octets: dict[tuple[int, int], int] = field(default_factory=dict)
@@ -265,7 +265,7 @@ class RecordingLine:
     gets a return code of its own, counted from 1. ``wrong`` collects what no document describes.
     """
 
-    stations: dict[int, StationMemory]
+    stations: dict[int, AnsweringMemory]
     deaf: bool = False
     mute: bool = False
     busy: bool = False
@@ -349,7 +349,7 @@ class RecordingLine:
         return code
 
 
-def _value(memory: StationMemory, place: Extent) -> bytes:
+def _value(memory: AnsweringMemory, place: Extent) -> bytes:
     """One item of a reply to a read."""
     data = memory.read(place)
     if place.counted:

@@ -29,7 +29,7 @@ from plcgen.protocols.ppi.proof.module_scenarios import module_scenarios
 from plcgen.protocols.ppi.proof.pace_scenarios import pace_scenarios
 from plcgen.protocols.ppi.proof.rig import MasterRig
 from plcgen.protocols.ppi.proof.scenario import POLL_MS, PpiScenario, in_time
-from plcgen.protocols.ppi.proof.stated_procedures import stated_procedures
+from plcgen.protocols.ppi.proof.stated.checks import stated_checks
 from plcgen.protocols.ppi.proof.telegrams import check_telegrams
 from plcgen.protocols.ppi.proof.together import ROW, procedures
 from plcgen.protocols.ppi.proof.words import CLOCK_END, State
@@ -78,8 +78,8 @@ class PpiProof:
         """Stations are only met by the block as a whole."""
 
     def stated(self, program: Program) -> Iterator[Check]:
-        """Procedures of the suite do that."""
-        return iter(())
+        """Every master."""
+        return stated_checks(self.plan, program)
 
     def oracles(self, folder: Folder, *, dissector: bool) -> Iterator[Check]:
         """Nobody else is asked."""
@@ -217,8 +217,7 @@ class PpiSuite:
 
     def procedures(self, program: Program) -> Iterator[Procedure]:
         """All jobs at once, behind each other, many in a row, a buffer with a wrong number."""
-        yield from procedures(self.plan, program, self.master)
-        yield from stated_procedures(self.plan, program, self.master)
+        return procedures(self.plan, program, self.master)
 
     def together(self, procedures: int) -> Check:
         """All jobs on all stations."""

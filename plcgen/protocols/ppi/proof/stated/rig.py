@@ -15,17 +15,20 @@ from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
 from plcgen.cpu.system.bus import Periphery
 from plcgen.cpu.system.port import CHARACTER_BITS, UNSET, Port, PortSettings
+from plcgen.diagnostics import Diagnostic, DiagnosticError
+from plcgen.oracles.spec.place import Keys
 from plcgen.oracles.spec.ppi import statement as spec
-from plcgen.oracles.spec.ppi.statement import PpiStatement, SpecKeys, StatedAddress, StatedPort
-from plcgen.oracles.spec.ppi.stations import Number, RecordingLine, StationMemory, to_number
+from plcgen.oracles.spec.ppi.statement import PpiStatement, StatedAddress, StatedPort
+from plcgen.oracles.spec.ppi.stations import AnsweringMemory, Number, RecordingLine, to_number
 from plcgen.project.spec import LoadedSpec
 from plcgen.proof.rig import layout_of
-from plcgen.proof.scenario import ScenarioError, SpecMismatchError
+from plcgen.proof.scenario import ScenarioError
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiPlan
 from plcgen.s7.image import Tree
 from plcgen.s7.shapes import Field
 from plcgen.s7.types import ArrayType, Elementary
 
+PAGE = "docs/verify.md says what is compared with the spec"
 CONTROL = "PpiJobs"
 """The data block with commands and results (docs/ppi-master.md)."""
 SIGNALS = ("execute", "busy", "done", "error", "status")
@@ -36,8 +39,8 @@ MARGIN = 60
 """Milliseconds before an awaited moment from which on scans take 1 ms: a request of 33 bytes lasts 38."""
 
 
-def stated(loaded: LoadedSpec) -> dict[str, StatedPort]:
-    """The statement of every master of a spec, by key. Raises ScenarioError if it cannot be made."""
+def ports_of(loaded: LoadedSpec) -> dict[str, StatedPort]:
+    """The statement of every master of a spec, by key. Raises NotStatedError."""
     data = loaded.root.data()
     tables = {
         name: (Path(loaded.file).parent / name).read_bytes()
@@ -45,10 +48,7 @@ def stated(loaded: LoadedSpec) -> dict[str, StatedPort]:
         for station in master["stations"].values()
         if isinstance(name := station.get("symbols"), str)
     }
-    try:
-        return {port.key: port for port in spec.stated_ports(data, tables)}
-    except (spec.UnexplainedError, LookupError) as problem:
-        raise ScenarioError(f"nothing states what the spec demands: {problem}") from problem
+    return {port.key: port for port in spec.stated_ports(data, tables)}
 
 
 @dataclass(frozen=True)
@@ -64,16 +64,14 @@ class JobMembers:
 class StatedBed:
     """The whole program on a CPU of its own; a port leads to stations that record."""
 
-    def __init__(self, plan: PpiPlan, program: Program, master: PlannedMaster) -> None:
-        ports = stated(plan.loaded)
+    def __init__(self, plan: PpiPlan, program: Program, master: PlannedMaster, ports: Mapping[str, StatedPort]) -> None:
         self.loaded, self.program, self.port = plan.loaded, program, ports[master.key]
         self.jobs = self.port.jobs
         self.instance = master.instance.name
-        self.line = RecordingLine({address: StationMemory() for address in self.port.stations.values()})
+        self.line = RecordingLine({address: AnsweringMemory() for address in self.port.stations.values()})
         hardware = PortSettings(baud=self.port.baud) if self.port.classic else UNSET
         self.module = Port(peer=self.line, line_baud=self.port.baud, hardware=hardware)
         self.cpu = Cpu(program, Periphery(ports={self.port.port: self.module}))
-        self.place = (self.loaded.file, self.loaded.span(self.port.path).line)
         self.draw = random.Random(self.port.key)  # noqa: S311 - test values
         self.step = min(STEP, self.port.ob1_cycle)
         structures = self._structures(ports)
@@ -86,19 +84,15 @@ class StatedBed:
         ]
         self._octets: list[int] = []
 
-    @property
-    def scans(self) -> int:
-        """Scans of OB1 so far."""
-        return self.cpu.scans
-
-    def wrong(self, path: SpecKeys, what: str, wanted: object, found: object) -> SpecMismatchError:
+    def wrong(self, path: Keys, what: str, wanted: object, found: object) -> DiagnosticError:
         """The error for something that is not as the spec says."""
-        span = self.loaded.span(path)
-        return SpecMismatchError(what, str(wanted), str(found), span)
+        span = self.loaded.span(path) if isinstance(path[-1], int) else self.loaded.key_span(path)
+        message = f"{what}: the spec says {wanted}, found {found}"
+        return DiagnosticError([Diagnostic("PG641", message, span, help=PAGE)])
 
     # --- what is where -----------------------------------------------------------------------------------------
 
-    def _structures(self, ports: Mapping[str, StatedPort]) -> dict[SpecKeys, Field]:
+    def _structures(self, ports: Mapping[str, StatedPort]) -> dict[Keys, Field]:
         """The structure of each job in the control DB, in the order of the spec; a job may have no member at all."""
         wanted = [(port, job) for port in ports.values() for job in port.jobs if job.values or self._signals(job)]
         try:

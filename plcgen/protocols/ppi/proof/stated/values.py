@@ -20,7 +20,7 @@ from plcgen.oracles.spec.ppi.stations import (
     heard_frame_of,
 )
 from plcgen.proof.scenario import ScenarioError
-from plcgen.protocols.ppi.proof.stated import CONTROL, StatedBed, folded, numbers_of
+from plcgen.protocols.ppi.proof.stated.rig import CONTROL, StatedBed, folded, numbers_of
 from plcgen.protocols.ppi.proof.words import DONE, WORDS
 from plcgen.s7.blocks import BlockKind
 
@@ -35,7 +35,7 @@ Given = Mapping[str, Sequence[Number]]
 """Numbers of the inputs of a job, by the address as the spec writes it."""
 
 
-def values(bed: StatedBed) -> None:
+def hold_values(bed: StatedBed) -> None:
     """Everything that travels: jobs as delivered, then each with values that occur nowhere else, then refused."""
     conduct = _Conduct(bed)
     for job in bed.jobs:

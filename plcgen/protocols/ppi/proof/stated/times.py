@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from plcgen.oracles.spec.ppi.statement import CHARACTER_BITS, GAP_BITS, LONGEST_MESSAGE, PpiStatement
 from plcgen.oracles.spec.ppi.stations import READ, HeardPoll
-from plcgen.protocols.ppi.proof.stated import StatedBed
+from plcgen.protocols.ppi.proof.stated.rig import MARGIN, STEP, StatedBed
 from plcgen.protocols.ppi.proof.words import DONE, WORDS
 
 CALLS = 5
@@ -21,7 +21,7 @@ ROUNDS = 3
 LONG = 3_600_000
 
 
-def times(bed: StatedBed) -> None:
+def hold_times(bed: StatedBed) -> None:
     """Waiting, repeating, polling; then timeout and cycle of every job."""
     job = next((job for job in bed.jobs if job.service == READ), bed.jobs[0])
     longest = _longest(bed)
@@ -109,9 +109,12 @@ def _failing(bed: StatedBed, job: PpiStatement, waits: tuple[int, ...]) -> tuple
     while not bed.over(job) and bed.cpu.clock - began <= job.timeout + 10_000:
         if sent != len(bed.module.sent):
             sent, ended = len(bed.module.sent), bed.cpu.clock
-        moments = [] if bed.line.answers else [ended + wait for wait in waits]
-        ahead = [moment for moment in (*moments, began + job.timeout) if moment + MOST_CALLS > bed.cpu.clock]
-        bed.until(min(ahead) if sent and moments and ahead else bed.cpu.clock)
+        waiting = () if bed.line.answers or not sent or bed.module.transmitting else waits
+        ahead = [ended + wait for wait in waiting if ended + wait + MOST_CALLS > bed.cpu.clock]
+        if ahead:
+            bed.until(min(*ahead, bed.cpu.clock + max(3 * MARGIN, waits[-1] // 20)))
+        else:
+            bed.cpu.scan(STEP if waiting else 1)
     return bed.signal(job, "status"), began
 
 

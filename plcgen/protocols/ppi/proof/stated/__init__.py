@@ -1,0 +1,1 @@
+"""Generated PPI masters against the statement of their spec (``oracles.spec.ppi``)."""
