@@ -104,11 +104,11 @@ def replace_file(path: Path, data: bytes, known: str | None = "") -> None:
         FileExistsError: if another file is there by now: it stays.
         OSError: if that is not possible; nothing has changed then.
     """
-    target = path.resolve()
-    mode = target.stat().st_mode if target.exists() else None
-    if mode is not None and not stat.S_ISREG(mode):
-        target.write_bytes(data)
+    mode = path.stat().st_mode if path.exists() else None
+    if mode is not None and (not stat.S_ISREG(mode) or path.absolute().parts[1:2] == ("dev",)):  # /dev/stdout > file
+        path.write_bytes(data)
         return
+    target = path.resolve()
     if mode is not None and not os.access(target, os.W_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(target))
     old = digest_of(target) if known == "" else known

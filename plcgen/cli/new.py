@@ -57,7 +57,7 @@ def command(*, path: Path, device: str, family: str, toolchain: str | None, jobs
     if path == Path("-"):
         out.result(text)
         return OK
-    out.result(text, path)
+    out.result(text, path, fresh=True)
     out.say(f"next: plcgen check {path}")
     return OK
 

@@ -171,17 +171,20 @@ class Console:
             self.complain(self.weakened)
         return OK if all(each.ok for each in found) else PROBLEMS
 
-    def result(self, text: str, output: Path | None = None, comment: tuple[str, str] | None = None) -> None:
+    def result(
+        self, text: str, output: Path | None = None, comment: tuple[str, str] | None = None, *, fresh: bool = False
+    ) -> None:
         """Deliver a result to stdout, or to a file if one is given (UTF-8, LF).
 
-        ``comment`` is what stands around a remark: a file ends with one by which it is known as a result.
+        ``comment`` is what stands around a remark: a file ends with one by which it is known as a result. ``fresh``:
+        what the user goes on with himself; it replaces nothing, not even a result.
         """
         if output is not None:
             if comment is not None:
                 from plcgen.output.seal import sealed
 
                 text = sealed(text, comment)
-            self._write_file(output, text.encode("utf-8", "replace"))
+            self._write_file(output, text.encode("utf-8", "replace"), fresh=fresh)
             self.say(f"wrote {output}")
             return
         if sys.stdout is None:
@@ -192,7 +195,7 @@ class Console:
         except (OSError, ValueError) as problem:
             raise _failed(problem) from problem
 
-    def replaceable(self, output: Path) -> str | None:
+    def replaceable(self, output: Path, *, fresh: bool = False) -> str | None:
         """Hash of the file that a result may replace; None if there is none, empty if it may be any.
 
         Raises:
@@ -214,17 +217,17 @@ class Console:
 
         data = read_bounded(output, MAX_RESULT)
         known = hashlib.sha256(data).hexdigest()
-        if known in self._written or (len(data) <= MAX_RESULT and is_result(data)):
+        if not fresh and (known in self._written or (len(data) <= MAX_RESULT and is_result(data))):
             return known
-        code, message = "PG501", "the file exists, and plcgen did not write it"
-        if has_seal(data):
+        code, message = "PG501", "the file exists" + ("" if fresh else ", and plcgen did not write it")
+        if not fresh and has_seal(data):
             code, message = "PG502", "the file was changed since plcgen wrote it"
         help_ = "use another name, or --force to overwrite it"
         raise DiagnosticError([Diagnostic(code, message, Span(output.as_posix()), help=help_)])
 
-    def _write_file(self, path: Path, data: bytes) -> None:
+    def _write_file(self, path: Path, data: bytes, *, fresh: bool) -> None:
         try:
-            known = self.replaceable(path)
+            known = self.replaceable(path, fresh=fresh)
             replace_file(path, data, known)
         except FileExistsError as problem:
             from plcgen.diagnostics import Diagnostic, DiagnosticError, Span

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import json
+import os
 import signal
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import click
 import pytest
+from projects import ROOT
 
 from plcgen.cli.main import cli
 from plcgen.documents.environment import RenderedFile
@@ -118,6 +123,18 @@ def test_our_own_results_are_replaced(work: Path, plcgen: Callable, verb: str, f
         assert refused.code == 1
         assert "error[PG50" in refused.err
         assert result.read_bytes() == edited
+
+
+@pytest.mark.skipif(os.name != "posix", reason="/dev as POSIX has it")
+def test_stdout_as_a_file(process: Callable, good: str, tmp_path: Path) -> None:
+    """``-o /dev/stdout`` into a pipe, or into a file that the shell has opened."""
+    piped = process("schema", "-o", "/dev/stdout")
+    assert (piped.returncode, json.loads(piped.stdout)["$id"]) == (0, "urn:plcgen:spec:1")
+    command = f"exec {sys.executable} -m plcgen schema -q -o /dev/stdout > s.json"
+    done = subprocess.run(["sh", "-c", command], cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)}, check=False)
+    assert done.returncode == 0
+    assert (tmp_path / "s.json").read_bytes() == piped.stdout
+    assert good
 
 
 def test_a_file_that_comes_meanwhile_is_kept(work: Path, plcgen: Callable, monkeypatch: pytest.MonkeyPatch) -> None:

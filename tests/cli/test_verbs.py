@@ -396,7 +396,9 @@ def test_new_never_overwrites(plcgen, tmp_path):
     (tmp_path / "job.yaml").write_text("mine", encoding="utf-8")
     refused = plcgen("new")
     assert (refused.code, (tmp_path / "job.yaml").read_text(encoding="utf-8")) == (1, "mine")
-    assert "error[PG501]: the file exists, and plcgen did not write it\n --> job.yaml\n" in refused.err
+    assert "error[PG501]: the file exists\n --> job.yaml\n" in refused.err
+    assert plcgen("schema", "-o", "schema.json").code == 0
+    assert "error[PG501]: the file exists" in plcgen("new", "schema.json").err
     assert plcgen("new", "--force").code == 0
     assert plcgen("new", "-").out == (tmp_path / "job.yaml").read_text(encoding="utf-8")
     assert plcgen("new", "no/such/x.yaml").code == 1

@@ -53,7 +53,7 @@ def command(*, file: Path, device: str, profile: Path | None, format_: OutputFor
         raise click.UsageError(f"{profile} is the list itself: write the profile to another file")
     code = out.answer(format_, _answer(result))
     if profile is not None:
-        out.result(merging.profile_text(result.device), profile)
+        out.result(merging.profile_text(result.device), profile, fresh=True)
         out.say(f"in a spec beside it: device: ./{profile.name}")
     return code
 
