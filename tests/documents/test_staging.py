@@ -102,7 +102,7 @@ def another_file(path: Path) -> None:
     os.rename(path.with_name("draft"), path)  # noqa: PTH104 - the operations of Path are watched
 
 
-def written(patch: pytest.MonkeyPatch, folder: Path, number: int, edit: Callable[[], None]) -> tuple[int, list[str]]:
+def written(patch: pytest.MonkeyPatch, folder: Path, number: int, edit: Callable[[], object]) -> tuple[int, list[str]]:
     """Write ``NEW``; ``edit`` comes before the operation of a number, or with -1 before there is any.
 
     How many operations it took, and the codes of what was wrong.
@@ -155,6 +155,31 @@ def test_an_edit_at_any_moment_is_kept(
         said.append(bool(codes))
     assert said[0]
     assert said == sorted(said, reverse=True)
+
+
+def test_every_edit_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever saves several files while the new ones are made is told of each."""
+    write_folder(files(OLD), tmp_path)
+    edited = [tmp_path / name for name in ("a", "sub/b", "fresh")]
+    _, codes = written(monkeypatch, tmp_path, -1, lambda: [in_place(path) for path in edited])
+    assert codes == ["PG509"] * 3
+    assert tree(tmp_path) == state(OLD) | {"a": "1by hand", "sub/b": "1by hand", "fresh": "by hand"}
+
+
+def test_an_edit_of_a_new_file_survives_the_way_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One file has come and is saved by hand, then another one stops the change: neither edit is lost."""
+    write_folder(files(OLD), tmp_path)
+
+    def edit(name: str, path: Path) -> None:
+        if (name, path.name) == ("link", "b") and not (tmp_path / "fresh").exists():
+            in_place(tmp_path / "a")
+            in_place(tmp_path / "fresh")
+
+    before_each_operation(monkeypatch, edit)
+    with pytest.raises(DiagnosticError) as error:
+        write_folder(files(NEW), tmp_path)
+    assert [d.span.file for d in error.value.diagnostics] == [str(tmp_path / "fresh")]
+    assert tree(tmp_path) == state(OLD) | {"a": "2by hand", "fresh": "by hand"}
 
 
 def test_an_edit_through_an_open_file_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
