@@ -1,6 +1,7 @@
 """What documents say: published telegrams with their meaning, and facts about the shipped devices.
 
-``telegrams.toml``, ``facts.toml`` and ``lists.toml`` are the data; every entry names its manual, page or list.
+``telegrams.toml``, ``facts.toml``, ``lists.toml`` and ``versions.toml`` are the data; every entry names its manual,
+page or list.
 """
 
 from __future__ import annotations
@@ -69,13 +70,24 @@ class DocumentedType:
 
 
 @dataclass(frozen=True)
+class DocumentedLimits:
+    """Least and greatest value of a parameter in a list of Siemens' help."""
+
+    low: float
+    high: float
+    source: str
+    package: str
+
+
+@dataclass(frozen=True)
 class DocumentedDevice:
     """A device as documents describe it.
 
     ``drive_object`` is the number that a drive has if nothing else is said, ``drive_objects`` all that the document
     names (empty: a rule). ``by_size`` as in a telegram, None if the document prints no answer. ``records`` are the
-    numbers of parameter records that it prints, by the path to the drive. ``elements`` is the most of one parameter in
-    a request, ``sources`` how values of sources are made up; 0 and empty: no document says so.
+    numbers of parameter records that it prints, by the path to the drive. ``elements`` is the most of one
+    parameter in a request, ``without_index`` how many are in a request for one without an index, to read and to write,
+    ``sources`` how values of sources are made up; 0 and empty: no document says so.
     """
 
     source: str
@@ -84,6 +96,7 @@ class DocumentedDevice:
     by_size: bool | None
     records: Mapping[str, int]
     elements: int
+    without_index: tuple[int, ...]
     sources: str
 
 
@@ -116,8 +129,45 @@ def device(key: str) -> DocumentedDevice | None:
         row.get("by_size"),
         row.get("records", {}),
         row.get("elements", 0),
+        tuple(row.get("without_index", ())),
         row.get("sources", ""),
     )
+
+
+@dataclass(frozen=True)
+class DocumentVersions:
+    """What documents of a version of the TIA Portal say: the version, and that of each namespace by its beginning."""
+
+    engineering: str
+    namespaces: dict[str, str]
+    source: str
+
+
+@dataclass(frozen=True)
+class InstructionVersions:
+    """Versions of instructions of an S7-1200/1500 by name."""
+
+    versions: Mapping[str, str]
+    source: str
+
+
+@cache
+def document_versions(tool: str) -> DocumentVersions | None:
+    """What schemas of a tool say; None if there are none."""
+    table = _read("versions.toml")["documents"]
+    row = table["tools"].get(tool)
+    if row is None:
+        return None
+    base = table["base"]
+    names = {f"{base}Interface/": row["interface"], f"{base}NetworkSource/StructuredText/": row["text"]}
+    return DocumentVersions(row["engineering"], names, table["source"])
+
+
+@cache
+def instruction_versions() -> InstructionVersions:
+    """What exports say about the instructions of drive blocks."""
+    row = _read("versions.toml")["instructions"]
+    return InstructionVersions(row["versions"], row["source"])
 
 
 @cache
@@ -138,6 +188,18 @@ def types(key: str) -> Mapping[int, tuple[DocumentedType, ...]]:
         for type_, numbers in one["types"].items():
             for number in numbers:
                 found.setdefault(number, []).append(DocumentedType(type_, one["source"], one["package"]))
+    return {number: tuple(said) for number, said in found.items()}
+
+
+@cache
+def limits(key: str) -> Mapping[int, tuple[DocumentedLimits, ...]]:
+    """Limits that the lists of a device print, by number."""
+    found: dict[int, list[DocumentedLimits]] = {}
+    lists = _read("lists.toml")
+    for one in (lists[name] for name in lists["devices"].get(key, ())):
+        for low, high, numbers in one.get("limits", ()):
+            for number in numbers:
+                found.setdefault(number, []).append(DocumentedLimits(low, high, one["source"], one["package"]))
     return {number: tuple(said) for number, said in found.items()}
 
 

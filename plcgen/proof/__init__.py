@@ -163,6 +163,7 @@ def _verify(asked: Asked, progress: Progress | None, means: Means, report: Repor
     from plcgen.proof.ledger import LAYOUT
     from plcgen.proof.rig import ProgramBench
     from plcgen.proof.second_layout import check_second_layout
+    from plcgen.proof.versions import check_versions
 
     project, folder, partner = _opened(asked, report), asked.folder, asked.drive
     share, cache = _sharing(asked, project, progress, means)
@@ -172,7 +173,7 @@ def _verify(asked: Asked, progress: Progress | None, means: Means, report: Repor
     telegrams = (check for proof in proofs for check in proof.telegrams(files))
     exchanges = [proof.exchanges(files, partner, progress) for proof in proofs]
     asked_others = (check for proof in proofs for check in proof.oracles(files, dissector=asked.dissector))
-    oracles = (*check_second_layout(files), *asked_others)
+    oracles = (*check_second_layout(files), *check_versions(project, files), *asked_others)
     said = [assumption for proof in proofs for assumption in proof.ledger()]
     ledger = (*said, LAYOUT) if said else ()
     groups = [

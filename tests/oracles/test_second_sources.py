@@ -10,6 +10,8 @@ import pytest
 from plcgen import api
 from plcgen.oracles import documents
 from plcgen.proof.checks import Check, Outcome
+from plcgen.proof.folder import Folder
+from plcgen.proof.versions import check_versions
 from plcgen.protocols.ds47.plan.nouns import DrivePlan
 from plcgen.protocols.ds47.proof import published, second
 
@@ -49,6 +51,7 @@ def test_one_source_is_told(plan: DrivePlan) -> None:
     ("changed", "says"),
     [
         ({"elements": 39}, "117 elements of one parameter"),
+        ({"without_index": (0, 1)}, "elements without an index: 1 to read, 1 to write"),
         ({"sources": "plain"}, "sources of sinamics-s120 are drive-object here, plain in printed values"),
     ],
 )
@@ -71,6 +74,57 @@ def test_a_list_that_contradicts_is_an_error(plan: DrivePlan, monkeypatch: pytes
     found = facts(plan)["types.sinamics-s120"]
     assert found.outcome is Outcome.ERROR
     assert "P2112[0] is Unsigned32 here, Integer16 in: parameters of TM41" in found.verdict
+
+
+def test_limits_that_a_list_contradicts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """P2900: -10000 to 10000 in the list of VECTOR, from which the profile has them; another list says nothing."""
+    spec = SPEC.replace('"P2112[0]": r899.2', "P2900: 1.0")
+    (tmp_path / "job.yaml").write_text(spec, "utf-8")
+    project = api.check(tmp_path / "job.yaml").project
+    assert project is not None
+    plan = project.plan(DrivePlan)
+    assert facts(plan)["types.sinamics-s120"].outcome is Outcome.OK
+    printed = documents.limits("sinamics-s120")[2900]
+    assert [(one.low, one.high, one.package) for one in printed] == [(-10000.0, 10000.0, "sdrpa012")]
+    wrong = replace(printed[0], high=100.0)
+    monkeypatch.setattr(second, "limits", lambda _key: {2900: (replace(wrong, package="sdrpa201"),)})
+    assert facts(plan)["types.sinamics-s120"].outcome is Outcome.OK
+    monkeypatch.setattr(second, "limits", lambda _key: {2900: (wrong,)})
+    found = facts(plan)["types.sinamics-s120"]
+    assert found.outcome is Outcome.ERROR
+    assert "P2900 is -10000 to 10000 here, -10000 to 100 in: TIA Portal" in found.verdict
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "says"),
+    [
+        ("xml/DriveChannel.xml", 'Engineering version="V19"', 'Engineering version="V18"', "Engineering is V18"),
+        ("xml/DriveChannel.xml", "Interface/v5", "Interface/v4", "SW/Interface/ is v4 in"),
+        ("xml/DriveChannel.xml", "StructuredText/v4", "StructuredText/v3", "StructuredText/ is v3 in"),
+        ("scl/DriveChannel.scl", "'WRREC'; LibVersion := '1.1'", "'WRREC'; LibVersion := '1.0'", "WRREC is 1.0 in"),
+    ],
+)
+def test_versions_that_documents_contradict(tmp_path: Path, file: str, old: str, new: str, says: str) -> None:
+    """Schemas of V19: interface v5, text v4; exports: WRREC 1.1. A version of the spec's own is not judged."""
+    spec = tmp_path / "job.yaml"
+    spec.write_text(SPEC, "utf-8")
+    assert api.generate(spec, tmp_path / "out").ok
+    project = api.check(spec).project
+    assert project is not None
+    folder = Folder(tmp_path / "out")
+    assert {check.outcome for check in check_versions(project, folder)} == {Outcome.OK}
+    path = tmp_path / "out" / file
+    text = path.read_bytes().decode("utf-8-sig")
+    assert old in text
+    path.write_text(text.replace(old, new), "utf-8-sig", newline="")
+    wrong = [check for check in check_versions(project, folder) if check.outcome is Outcome.ERROR]
+    assert len(wrong) == 1
+    assert says in wrong[0].verdict
+    spec.write_text(SPEC.replace("toolchain: tia-v19", "toolchain: tia-v19, instructions: {WRREC: '1.0'}"), "utf-8")
+    other = api.check(spec).project
+    assert other is not None
+    own = {check.id: check.outcome for check in check_versions(other, folder)}
+    assert own["versions.instructions"] is Outcome.OK
 
 
 def test_published_sources_and_codes(plan: DrivePlan, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, has_errors
 from plcgen.diagnostics.counting import quantity
 from plcgen.oracles import profidrive
-from plcgen.oracles.documents import DocumentedDevice, DocumentedType, device, types
+from plcgen.oracles.documents import DocumentedDevice, DocumentedLimits, DocumentedType, device, limits, types
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive, Use
@@ -65,7 +65,7 @@ def _type_check(plan: DrivePlan, key: str, pairs: Sequence[tuple[PlannedDrive, U
             second[use.parameter.pnu] = found
     single = {use.parameter.pnu: use.label.partition("[")[0] for _, use in pairs if use.parameter.pnu not in second}
     id_, subject = f"types.{key}", f"types: {key}"
-    wrong = list(_types(plan, pairs, documented))
+    wrong = [*_types(plan, pairs, documented), *_limits(plan, pairs, limits(key))]
     if not second and not wrong:
         verdict = f"not run: no second source was found for the type of {quantity(len(single), 'parameter')}"
         return Check(id_, subject, "", Outcome.NOT_RUN, verdict)
@@ -94,6 +94,11 @@ def _address(plan: DrivePlan, drive: PlannedDrive, said: DocumentedDevice) -> It
     elif said.drive_objects and number not in said.drive_objects:
         numbers = ", ".join(map(str, said.drive_objects))
         yield Diagnostic("PG640", f"drive object {number}: {said.source} says {numbers}", place)
+    if said.without_index and drive.device.scalar_elements != said.without_index:
+        here, there = (
+            "{} to read, {} to write".format(*both) for both in (drive.device.scalar_elements, said.without_index)
+        )
+        yield Diagnostic("PG640", f"elements without an index: {here}; {said.source} prints {there}", place)
     if said.elements and drive.device.max_elements != said.elements:
         message = f"{drive.device.max_elements} elements of one parameter: {said.source} says {said.elements}"
         yield Diagnostic("PG640", message, place)
@@ -116,6 +121,21 @@ def _types(
             severity = Severity.ERROR if _of_profile(drive, use) else Severity.WARNING
             message = f"{use.label} is {use.format.name} here, {found.type} in: {found.source}"
             yield Diagnostic("PG640", message, plan.loaded.span(use.path), severity)
+
+
+def _limits(
+    plan: DrivePlan, uses: Sequence[tuple[PlannedDrive, Use]], documented: Mapping[int, Sequence[DocumentedLimits]]
+) -> Iterator[Diagnostic]:
+    """Limits of the profile that the list which they were read in does not print."""
+    for drive, use in uses:
+        known = drive.device.parameters.get(use.parameter.pnu)
+        if known is None or not (known.read("min") and known.read("max")):
+            continue
+        for said in documented.get(known.pnu, ()):
+            if said.package in known.source and (known.minimum, known.maximum) != (said.low, said.high):
+                here = f"{known.minimum:g} to {known.maximum:g}"
+                message = f"{use.label} is {here} here, {said.low:g} to {said.high:g} in: {said.source}"
+                yield Diagnostic("PG640", message, plan.loaded.span(use.path))
 
 
 def second_checks(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
