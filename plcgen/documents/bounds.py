@@ -8,6 +8,12 @@ from pathlib import Path, PurePosixPath
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.paths import trap_in
+from plcgen.sources.generated import ATTRIBUTES
+
+
+def is_hidden(path: str) -> bool:
+    """Whether a path is, or lies in, what only tools look at (``.git``); of these, one file is generated."""
+    return path != ATTRIBUTES and any(part.startswith(".") for part in path.split("/"))
 
 
 class Bounds:

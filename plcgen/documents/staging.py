@@ -22,13 +22,13 @@ from typing import Self
 from pydantic import TypeAdapter, ValidationError
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.documents.bounds import Bounds
+from plcgen.documents.bounds import Bounds, is_hidden
 from plcgen.documents.environment import RenderedFile
 from plcgen.documents.manifest import digest
 from plcgen.input.files import read_bounded
 from plcgen.interrupts import uninterrupted
 from plcgen.replacing import digest_of, put_back, swap, take
-from plcgen.sources.generated import ATTRIBUTES, JOURNAL
+from plcgen.sources.generated import JOURNAL
 
 STAGE = ".plcgen-stage-"
 _DRAFT = "journal"
@@ -238,9 +238,7 @@ class FolderPlan:
             return None
         stage = journal.parent / plan.stage
         odd = stage.parent != journal.parent or not plan.stage.startswith(STAGE) or stage.is_symlink()
-        paths = (path for path in (*plan.moves, *plan.removals) if path != ATTRIBUTES)
-        hidden = (part for path in paths for part in path.split("/") if part.startswith("."))
-        return None if odd or any(hidden) else plan
+        return None if odd or any(map(is_hidden, (*plan.moves, *plan.removals))) else plan
 
     def _steps(self, folder: Path) -> Iterator[_Step]:
         bounds, stage = Bounds(folder), folder / self.stage

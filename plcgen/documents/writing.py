@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
-from plcgen.documents.bounds import Bounds
+from plcgen.documents.bounds import Bounds, is_hidden
 from plcgen.documents.environment import RenderedFile
 from plcgen.documents.folder_lock import exclusive
 from plcgen.documents.manifest import digest
@@ -199,7 +199,7 @@ def _obsolete(wanted: set[str], folder: Path, known: dict[str, str]) -> tuple[di
     kept: list[str] = []
     bounds = Bounds(folder)
     for path, expected in known.items():
-        if path in wanted:
+        if path in wanted or is_hidden(path):
             continue
         try:
             target = bounds.inside(path)

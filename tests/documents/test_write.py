@@ -67,6 +67,16 @@ def test_another_project_is_not_written_over(tmp_path: Path) -> None:
     assert not (out / "scl" / "North.scl").exists()
 
 
+def test_a_manifest_removes_nothing_hidden(tmp_path: Path) -> None:
+    """It may come with a folder from elsewhere, and everybody knows the bytes of some files below .git."""
+    (tmp_path / ".git").mkdir()
+    (tmp_path / ".git" / "HEAD").write_text("ref: refs/heads/main\n")
+    entries = [{"path": ".git/HEAD", "sha256": digest(b"ref: refs/heads/main\n")}]
+    (tmp_path / "manifest.json").write_text(json.dumps({"files": entries}))
+    assert write_folder(files(a="1"), tmp_path).removed == ()
+    assert (tmp_path / ".git" / "HEAD").is_file()
+
+
 def test_files_no_longer_generated_are_removed_unless_changed(tmp_path: Path) -> None:
     """A dropped job takes its own files with it, but not one that somebody edited."""
     write_folder(files(a="1", sub__b="2", c="3"), tmp_path)
