@@ -101,7 +101,7 @@ class DocumentedDevice:
 
 
 @cache
-def sources() -> tuple[PublishedSource, ...]:
+def published_sources() -> tuple[PublishedSource, ...]:
     """Every published source (BICO)."""
     return tuple(
         PublishedSource(row["number"], row["index"], row.get("drive_object"), int(row["value"], 16), row["source"])
@@ -171,13 +171,13 @@ def instruction_versions() -> InstructionVersions:
 
 
 @cache
-def alike() -> tuple[tuple[frozenset[int], str], ...]:
+def codes_alike() -> tuple[tuple[frozenset[int], str], ...]:
     """Codes of one type, and who says so: which of them a drive answers depends on its firmware."""
     return tuple((frozenset(row["codes"]), row["source"]) for row in _read("telegrams.toml")["alike"])
 
 
 @cache
-def types(key: str) -> Mapping[int, tuple[DocumentedType, ...]]:
+def documented_types(key: str) -> Mapping[int, tuple[DocumentedType, ...]]:
     """What documents say of the types of a device's parameters, by number: about the device first, then lists."""
     found: dict[int, list[DocumentedType]] = {}
     for number, said in _read("facts.toml").get(key, {}).get("parameters", {}).items():
@@ -192,7 +192,7 @@ def types(key: str) -> Mapping[int, tuple[DocumentedType, ...]]:
 
 
 @cache
-def limits(key: str) -> Mapping[int, tuple[DocumentedLimits, ...]]:
+def documented_limits(key: str) -> Mapping[int, tuple[DocumentedLimits, ...]]:
     """Limits that the lists of a device print, by number."""
     found: dict[int, list[DocumentedLimits]] = {}
     lists = _read("lists.toml")

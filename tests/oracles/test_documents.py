@@ -9,7 +9,7 @@ import pytest
 from projects import ROOT
 
 from plcgen.oracles import profidrive
-from plcgen.oracles.documents import DocumentedType, PublishedTelegram, device, published, types
+from plcgen.oracles.documents import DocumentedType, PublishedTelegram, device, documented_types, published
 from plcgen.oracles.profidrive import DocumentedDrive, HeldParameter, UnansweredError
 
 ROOM = sorted((ROOT / "plcgen/oracles").glob("*.py"))
@@ -123,7 +123,7 @@ def test_every_shipped_device_was_looked_up(profile: Path) -> None:
         return
     assert said is not None
     assert not said.drive_objects or said.drive_object in said.drive_objects
-    stated = [one for said in types(profile.stem).values() for one in said]
+    stated = [one for said in documented_types(profile.stem).values() for one in said]
     assert {one.type for one in stated} <= set(profidrive.TYPES)
     assert all(one.source for one in stated)
 
@@ -131,7 +131,7 @@ def test_every_shipped_device_was_looked_up(profile: Path) -> None:
 @pytest.mark.parametrize("profile", sorted((ROOT / "specs/devices").glob("*.yaml")), ids=lambda path: path.stem)
 def test_documents_agree_with_each_other(profile: Path) -> None:
     """No two documents state different types for one number of a device."""
-    assert {n: said for n, said in types(profile.stem).items() if len({one.type for one in said}) > 1} == {}
+    assert {n: said for n, said in documented_types(profile.stem).items() if len({one.type for one in said}) > 1} == {}
 
 
 def test_another_document() -> None:
@@ -146,12 +146,12 @@ def test_another_document() -> None:
 
 def test_what_lists_print() -> None:
     """p0971, p0977 and p3981 in the lists of the control units and of VECTOR; MICROMASTER and p50303 are in none."""
-    s120 = types("sinamics-s120")
+    s120 = documented_types("sinamics-s120")
     assert [(one.type, one.package) for one in s120[971]][1:3] == [
         ("Unsigned16", "sdrpa012"),
         ("Unsigned16", "sdrpa001"),
     ]
     assert {one.package for one in s120[977]} == {"", "sdrpa001", "sdrpa400", "sdrpa401"}
     assert {one.type for one in s120[3981]} == {"Unsigned8"}
-    assert {one.package for one in types("sinamics-dcm")[50303]} == {""}
-    assert {one.package for said in types("micromaster-4").values() for one in said} == {""}
+    assert {one.package for one in documented_types("sinamics-dcm")[50303]} == {""}
+    assert {one.package for said in documented_types("micromaster-4").values() for one in said} == {""}

@@ -70,7 +70,7 @@ def test_a_device_that_documents_contradict(
 def test_a_list_that_contradicts_is_an_error(plan: DrivePlan, monkeypatch: pytest.MonkeyPatch) -> None:
     """Also where it is the list that the profile was made from."""
     wrong = {2112: (documents.DocumentedType("Integer16", "parameters of TM41 (package sdrpa201)", "sdrpa201"),)}
-    monkeypatch.setattr(second, "types", lambda _key: wrong)
+    monkeypatch.setattr(second, "documented_types", lambda _key: wrong)
     found = facts(plan)["types.sinamics-s120"]
     assert found.outcome is Outcome.ERROR
     assert "P2112[0] is Unsigned32 here, Integer16 in: parameters of TM41" in found.verdict
@@ -84,12 +84,12 @@ def test_limits_that_a_list_contradicts(tmp_path: Path, monkeypatch: pytest.Monk
     assert project is not None
     plan = project.plan(DrivePlan)
     assert facts(plan)["types.sinamics-s120"].outcome is Outcome.OK
-    printed = documents.limits("sinamics-s120")[2900]
+    printed = documents.documented_limits("sinamics-s120")[2900]
     assert [(one.low, one.high, one.package) for one in printed] == [(-10000.0, 10000.0, "sdrpa012")]
     wrong = replace(printed[0], high=100.0)
-    monkeypatch.setattr(second, "limits", lambda _key: {2900: (replace(wrong, package="sdrpa201"),)})
+    monkeypatch.setattr(second, "documented_limits", lambda _key: {2900: (replace(wrong, package="sdrpa201"),)})
     assert facts(plan)["types.sinamics-s120"].outcome is Outcome.OK
-    monkeypatch.setattr(second, "limits", lambda _key: {2900: (wrong,)})
+    monkeypatch.setattr(second, "documented_limits", lambda _key: {2900: (wrong,)})
     found = facts(plan)["types.sinamics-s120"]
     assert found.outcome is Outcome.ERROR
     assert "P2900 is -10000 to 10000 here, -10000 to 100 in: TIA Portal" in found.verdict
@@ -131,9 +131,9 @@ def test_published_sources_and_codes(plan: DrivePlan, monkeypatch: pytest.Monkey
     """Values of BICO sources, and the two codes of a TimeDifference, each as printed."""
     found = {check.id: check for check in published.published_checks(plan)}
     assert found["published.source"].outcome is found["published.alike"].outcome is Outcome.OK
-    printed = documents.sources()[0]
-    monkeypatch.setattr(published, "sources", lambda: (replace(printed, value=0x02D20002),))
-    monkeypatch.setattr(published, "alike", lambda: ((frozenset({0x0D, 0x35}), "a manual"),))
+    printed = documents.published_sources()[0]
+    monkeypatch.setattr(published, "published_sources", lambda: (replace(printed, value=0x02D20002),))
+    monkeypatch.setattr(published, "codes_alike", lambda: ((frozenset({0x0D, 0x35}), "a manual"),))
     found = {check.id: check for check in published.published_checks(plan)}
     assert found["published.source"].verdict.startswith("r722.2 is 02D2FC02h here, 02D20002h in: SINAMICS G110M")
     assert "is refused here, but not in: a manual" in found["published.alike"].verdict

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from plcgen.diagnostics import Diagnostic, Span
-from plcgen.oracles.documents import PublishedTelegram, alike, published, sources
+from plcgen.oracles.documents import PublishedTelegram, codes_alike, published, published_sources
 from plcgen.proof.checks import Check, Outcome
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.wire import codec, formats
@@ -65,7 +65,7 @@ def published_checks(plan: DrivePlan) -> Iterator[Check]:
             yield Check(id_, str(form), text, Outcome.ERROR, wrong, problem)
         else:
             yield Check(id_, str(form), text, Outcome.OK, "byte for byte as published")
-    for codes, source in alike():
+    for codes, source in codes_alike():
         if any(use.format.code in codes and not use.writes for job in plan.shapes for use in job.uses):
             yield _alike_check(codes, source)
     if any(use.sources for job in plan.shapes for use in job.uses):
@@ -85,8 +85,8 @@ def _alike_check(codes: frozenset[int], source: str) -> Check:
 
 def _source_check() -> Check:
     """Values of sources (BICO) as manuals print them."""
-    text = "; ".join(dict.fromkeys(one.source for one in sources()))
-    for one in sources():
+    text = "; ".join(dict.fromkeys(one.source for one in published_sources()))
+    for one in published_sources():
         made = BicoSource(one.number, one.index, SELF if one.drive_object is None else one.drive_object)
         if made.value != one.value or read_bico(one.value) != made:
             message = f"{made} is {made.value:08X}h here, {one.value:08X}h in: {one.source}"

@@ -13,7 +13,14 @@ from dataclasses import dataclass
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, has_errors
 from plcgen.diagnostics.counting import quantity
 from plcgen.oracles import profidrive
-from plcgen.oracles.documents import DocumentedDevice, DocumentedLimits, DocumentedType, device, limits, types
+from plcgen.oracles.documents import (
+    DocumentedDevice,
+    DocumentedLimits,
+    DocumentedType,
+    device,
+    documented_limits,
+    documented_types,
+)
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive, Use
@@ -56,7 +63,7 @@ def fact_checks(plan: DrivePlan) -> Iterator[Check]:
 
 def _type_check(plan: DrivePlan, key: str, pairs: Sequence[tuple[PlannedDrive, Use]]) -> Check:
     """The types of a device against every document, and which of them only the profile's own document states."""
-    documented = types(key)
+    documented = documented_types(key)
     second: dict[int, DocumentedType] = {}
     for _, use in pairs:
         others = (one for one in documented.get(use.parameter.pnu, ()) if one.another(use.parameter.source))
@@ -65,7 +72,7 @@ def _type_check(plan: DrivePlan, key: str, pairs: Sequence[tuple[PlannedDrive, U
             second[use.parameter.pnu] = found
     single = {use.parameter.pnu: use.label.partition("[")[0] for _, use in pairs if use.parameter.pnu not in second}
     id_, subject = f"types.{key}", f"types: {key}"
-    wrong = [*_types(plan, pairs, documented), *_limits(plan, pairs, limits(key))]
+    wrong = [*_types(plan, pairs, documented), *_limits(plan, pairs, documented_limits(key))]
     if not second and not wrong:
         verdict = f"not run: no second source was found for the type of {quantity(len(single), 'parameter')}"
         return Check(id_, subject, "", Outcome.NOT_RUN, verdict)
@@ -225,7 +232,7 @@ def second_drive(plan: DrivePlan, drive: PlannedDrive, first: Drive) -> profidri
     parameters: dict[int, profidrive.HeldParameter] = {}
     for use in uses:
         held = first.objects[drive.drive_object].parameters[use.parameter.pnu]
-        documented = types(drive.device.key).get(use.parameter.pnu, ()) if _of_profile(drive, use) else ()
+        documented = documented_types(drive.device.key).get(use.parameter.pnu, ()) if _of_profile(drive, use) else ()
         name = documented[0].type if documented else use.format.name
         if name in profidrive.TYPES:
             values = _numbers(name, held.values, use)
