@@ -228,7 +228,7 @@ READING = record(
 
 
 def _shard() -> Shape:
-    failure = record(scenario=TEXT, scan=NUMBER, message=TEXT, file=TEXT, line=NUMBER)
+    failure = record(scenario=TEXT, scan=NUMBER, message=TEXT, file=TEXT, line=NUMBER, stopped=FLAG)
     statistics = record(runs=NUMBER, scans=NUMBER, longest=NUMBER, hangs=NUMBER, transitions=many(many(NUMBER)))
     part = record(
         run=TEXT, values=TEXT, matrix=TEXT, failures=many(failure), statistics=statistics,

@@ -5,14 +5,15 @@ The second way of the data: it knows the files, the spec and the standards, neve
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
-from plcgen.proof.checks import CheckGroup, Verification
+from plcgen.proof.checks import Check, CheckGroup, Verification
 from plcgen.proof.effort import Faults
 
 if TYPE_CHECKING:
@@ -147,11 +148,19 @@ def _inputs(asked: Asked, project: Project) -> str:
 
 def stated_group(proofs: Sequence[Proof], bench: ProgramBench) -> list[CheckGroup]:
     """What the files do against what the spec demands; nothing if they do not compile, which is said elsewhere."""
-    try:
-        program = bench.program
-    except DiagnosticError:
-        return []
-    checks = tuple(check for proof in proofs for check in proof.stated(program))
+    from plcgen.proof.making import Pending, make_checks
+
+    place = Span(str(bench.folder))
+
+    def stated() -> Iterator[Check]:
+        try:
+            program = bench.program
+        except DiagnosticError:
+            return
+        for proof in proofs:
+            yield from proof.stated(program)
+
+    checks = tuple(make_checks((Pending("spec", "spec", lambda: place, stated),), "spec", place))
     return [CheckGroup("spec", "Spec", checks)] if checks else []
 
 
@@ -159,29 +168,32 @@ def _verify(asked: Asked, progress: Progress | None, means: Means, report: Repor
     from plcgen.proof.delivery import delivered
     from plcgen.proof.execution import check_execution
     from plcgen.proof.folder import read_folder
-    from plcgen.proof.layouts import check_layout
+    from plcgen.proof.layouts import layout_pending
     from plcgen.proof.ledger import LAYOUT
+    from plcgen.proof.making import Pending, make_checks
     from plcgen.proof.rig import ProgramBench
     from plcgen.proof.second_layout import check_second_layout
     from plcgen.proof.versions import check_versions
 
     project, folder, partner = _opened(asked, report), asked.folder, asked.drive
     share, cache = _sharing(asked, project, progress, means)
+    place = Span(str(folder))
     files = read_folder(folder, project.target, progress)
     proofs = [plan.protocol.proof(plan) for plan in project.plans]
-    layouts = (check_layout(project, files, laid) for proof in proofs for laid in proof.layouts())
+    layouts = (layout_pending(project, files, laid) for proof in proofs for laid in proof.layouts())
     telegrams = (check for proof in proofs for check in proof.telegrams(files))
     exchanges = [proof.exchanges(files, partner, progress) for proof in proofs]
-    asked_others = (check for proof in proofs for check in proof.oracles(files, dissector=asked.dissector))
-    oracles = (*check_second_layout(files), *check_versions(project, files), *asked_others)
+    second = Pending("layouts", "all layouts", lambda: place, partial(check_second_layout, files))
+    versions = Pending("versions", "versions", lambda: place, partial(check_versions, project, files))
+    oracles = (one for proof in proofs for one in proof.oracles(files, dissector=asked.dissector))
     said = [assumption for proof in proofs for assumption in proof.ledger()]
     ledger = (*said, LAYOUT) if said else ()
     groups = [
         CheckGroup("files", "Files", delivered(project, files)),
-        CheckGroup("layout", "Layout", tuple(layouts)),
-        CheckGroup("telegrams", "Telegrams", tuple(telegrams)),
+        CheckGroup("layout", "Layout", tuple(make_checks(layouts, "layout", place))),
+        CheckGroup("telegrams", "Telegrams", tuple(make_checks(telegrams, "telegrams", place))),
         *(group for group in exchanges if group is not None),
-        CheckGroup("oracles", "Independent oracles", oracles),
+        CheckGroup("oracles", "Independent oracles", tuple(make_checks((second, versions, *oracles), "oracles", place))),
     ]
     del files
     bench = ProgramBench(project, folder)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +18,9 @@ from plcgen.proof.coverage import Coverage, cover
 from plcgen.proof.dependence import part_keys
 from plcgen.proof.effort import Faults
 from plcgen.proof.idle import idle_check
+from plcgen.proof.making import Pending, make_checks, unexpected
 from plcgen.proof.results import Result, added
-from plcgen.proof.rig import ProgramBench
+from plcgen.proof.rig import ProgramBench, file_of
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, ScenarioError, Statistics, diagnostic
 from plcgen.proof.sharing import Sharing
@@ -63,10 +64,19 @@ class Work:
     def __call__(self, index: int) -> Result:
         """One part."""
         part = self.parts[index]
-        if part.job is None:
-            return run_procedure(self.bench.program, self.procedures[part.suite][part.procedure])
         suite = self.suites[part.suite]
-        return run_job(suite, self.bench.program, suite.jobs[part.job], self.level)
+        job = suite.jobs[part.job] if part.job is not None else None
+        try:
+            if job is None:
+                return run_procedure(self.bench.program, self.procedures[part.suite][part.procedure])
+            return run_job(suite, self.bench.program, job, self.level)
+        except DiagnosticError:
+            raise
+        except Exception as problem:  # noqa: BLE001 - becomes the result, in a worker too
+            blocks = suite.blocks() if job is None else [one for one in suite.blocks() if job in one.jobs]
+            file = file_of(self.bench.program, blocks[0].block) if blocks else str(self.bench.folder)
+            message = unexpected(problem, Span(file)).message
+            return Result(failures=[Failure("", 0, message, file, 1, stopped=True)], broken=True)
 
 
 def check_execution(
@@ -84,8 +94,16 @@ def check_execution(
     ``partner`` is the user's file of a partner: every job runs once against it too. ``engine`` runs what is the same in
     every project even if it is known to hold.
     """
-    share = share or Sharing()
-    work = Work(bench or ProgramBench(project, folder), level)
+    checks = _executed(bench or ProgramBench(project, folder), level, share or Sharing(), partner, engine=engine)
+    return make_checks(checks, "execution", Span(str(folder)))
+
+
+def _executed(
+    bench: ProgramBench, level: Faults, share: Sharing, partner: Path | None, *, engine: bool
+) -> Iterator[Check | Pending]:
+    project, folder = bench.project, bench.folder
+    place = Span(str(folder))
+    work = Work(bench, level)
     try:
         program = work.bench.program
     except DiagnosticError as problem:
@@ -94,9 +112,10 @@ def check_execution(
         return
     if level != "none" or engine:
         for plan in project.plans:
-            yield from plan.protocol.proof(plan).foundation(folder, run=engine, share=share)
+            checks = partial(plan.protocol.proof(plan).foundation, folder, run=engine, share=share)
+            yield Pending("engine", "engine", lambda: place, checks)
     if level != "none":
-        yield idle_check(program)
+        yield Pending("execution.idle", "idle scan", lambda: place, partial(idle_check, program))
     every: list[Result] = []
     one = Sharing(workers=1, progress=share.progress) if level == "none" and share.plain else share
     found = iter(one.results("execution", work, len(work.parts), part_keys(work)))
@@ -105,7 +124,8 @@ def check_execution(
         for job in suite.jobs:
             yield from job_checks(suite, job, results[job.key], level)
         if partner is not None:
-            yield from suite.own(program, partner)
+            own = partial(suite.own, program, partner)
+            yield Pending("own", "your partner", lambda: Span(str(partner)), own)
         if level == "none":
             continue
         together = _joined([next(found) for _ in work.procedures[number]])
@@ -115,9 +135,14 @@ def check_execution(
         if not any(result.failures for result in (*results.values(), together)):
             counts = added(program, (*results.values(), together))
             for block in suite.blocks():
-                yield coverage_check(block, coverage(program, block, counts, results))
+                make = partial(_covered, program, block, counts, results)
+                yield Pending(f"coverage.{block.key}", f"coverage {block.name}", block.span, make)
     if every and not any(result.failures for result in every):
         yield from main_coverage(project, program, added(program, every))
+
+
+def _covered(program: Program, block: CodeBlock, counts: list[int], results: dict[str, Result]) -> Check:
+    return coverage_check(block, coverage(program, block, counts, results))
 
 
 def main_coverage(project: Project, program: Program, counts: list[int]) -> Iterator[Check]:
@@ -222,16 +247,16 @@ def attempt(procedure: Procedure) -> tuple[Failure | None, list[int]]:
     try:
         procedure.run(bed)
     except ScenarioError as problem:
-        message = str(problem)
+        message, stopped = str(problem), False
     except Exception as problem:  # noqa: BLE001 - changed sources may make the simulated CPU itself fail
-        message = f"the simulated CPU stopped: {type(problem).__name__} {problem}"
+        message, stopped = unexpected(problem, Span("")).message, True
     else:
         return None, bed.cpu.coverage
     place = bed.place
     if bed.cpu.misuses:
         misuse = bed.cpu.misuses[0]
-        message, place = str(misuse), (misuse.file, misuse.line)
-    return Failure(procedure.name, bed.scans, message, *place), bed.cpu.coverage
+        message, place, stopped = str(misuse), (misuse.file, misuse.line), False
+    return Failure(procedure.name, bed.scans, message, *place, stopped=stopped), bed.cpu.coverage
 
 
 def coverage(program: Program, block: CodeBlock, counts: list[int], results: dict[str, Result]) -> Coverage:

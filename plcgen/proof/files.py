@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import codecs
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Severity, Span
@@ -11,6 +12,7 @@ from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check, Outcome, file_check
 from plcgen.proof.folder import Folder
 from plcgen.proof.inventory import inventory, listed_files, owned_files
+from plcgen.proof.making import Pending, attempted
 from plcgen.scl.dialect import Dialect
 from plcgen.simaticml.reading.invariants import check_invariants
 from plcgen.sources.generated import generated_documents, generated_sources, spec_of
@@ -22,8 +24,20 @@ _DIALECTS = {
 }
 
 
-def check_files(project: Project, folder: Folder) -> Iterator[Check]:
+def check_files(project: Project, folder: Folder) -> Iterator[Pending]:
     """Checks of the group ``files``."""
+    place = Span(str(folder.path))
+    looks: dict[str, tuple[str, Callable[[Project, Folder], Iterator[Check]]]] = {
+        "files.manifest": ("files", _manifest),
+        "files.encoding": ("sources", _encodings),
+        "files.syntax": ("sources", _syntax),
+        "files.simaticml": ("SimaticML", _documents),
+    }
+    for id_, (subject, look) in looks.items():
+        yield Pending(id_, subject, lambda: place, partial(look, project, folder))
+
+
+def _manifest(project: Project, folder: Folder) -> Iterator[Check]:
     known, problems = listed_files(folder.path)
     problems += inventory(project, folder.path, known)
     stale = spec_of(folder.path) not in {None, project.loaded.digest}
@@ -32,18 +46,28 @@ def check_files(project: Project, folder: Folder) -> Iterator[Check]:
     owned = owned_files(project, folder.path, known)
     if owned:
         yield Check("files.owned", "yours", ", ".join(owned), Outcome.OK, "not as generated: user_owned")
+
+
+def _encodings(project: Project, folder: Folder) -> Iterator[Check]:
     sources = generated_sources(folder.path)
-    wrong = [problem for path in sources for problem in _encoding(project, path)]
+    wrong = [one for path in sources for one in attempted(partial(_encoding, project, path), Span(str(path)))]
     wanted = "Windows-1252" if project.target.v5 else "UTF-8 with byte order mark"
     yield _check("files.encoding", "sources", f"{len(sources)} files", wrong, wanted)
-    yield _check(
-        "files.syntax", "sources", _DIALECTS[project.target.dialect], folder.problems, "parsed without findings"
-    )
-    documents = generated_documents(folder.path)
-    if project.target.xml_version:
-        findings = [d for path in documents for d in check_invariants(path, classic=project.target.classic)]
-        text = f"{len(documents)} documents, {project.target.xml_version}"
-        yield _check("files.simaticml", "SimaticML", text, findings, "well formed, envelope as in exports")
+
+
+def _syntax(project: Project, folder: Folder) -> Iterator[Check]:
+    dialect = _DIALECTS[project.target.dialect]
+    yield _check("files.syntax", "sources", dialect, folder.problems, "parsed without findings")
+
+
+def _documents(project: Project, folder: Folder) -> Iterator[Check]:
+    if not project.target.xml_version:
+        return
+    documents, classic = generated_documents(folder.path), project.target.classic
+    looks = ((path, partial(check_invariants, path, classic=classic)) for path in documents)
+    findings = [one for path, look in looks for one in attempted(look, Span(str(path)))]
+    text = f"{len(documents)} documents, {project.target.xml_version}"
+    yield _check("files.simaticml", "SimaticML", text, findings, "well formed, envelope as in exports")
 
 
 def _check(id_: str, subject: str, text: str, problems: list[Diagnostic], good: str) -> Check:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from html import unescape
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, Span
 from plcgen.project.target import Target
+from plcgen.proof.making import attempted
+from plcgen.s7.blocks import Block
 from plcgen.s7.shapes import TypeTable
 from plcgen.simaticml.reading.documents import read_simaticml
 from plcgen.sources.generated import generated_documents, generated_sources
@@ -36,6 +39,18 @@ class Folder:
             return block.span
         return Span(str(self.files.get(name.upper(), self.path)))
 
+    def read(self, file: Path, reader: Callable[[], tuple[Iterable[Block], Iterable[Diagnostic]]]) -> list[Block]:
+        """Blocks of a file; what is wrong with it, whatever it is, joins the problems."""
+        found: list[Block] = []
+
+        def look() -> Iterable[Diagnostic]:
+            blocks, problems = reader()
+            found.extend(blocks)
+            return problems
+
+        self.problems += attempted(look, Span(str(file)))
+        return found
+
 
 def read_folder(path: Path, where: Target, progress: Callable[[str, int, int], None] | None = None) -> Folder:
     """Read every generated source and every generated SimaticML block document of a folder."""
@@ -43,9 +58,8 @@ def read_folder(path: Path, where: Target, progress: Callable[[str, int, int], N
     sources, documents = generated_sources(path), generated_documents(path)
     total = len(sources) + len(documents)
     for number, source in enumerate(sources):
-        blocks, found = read_source(source, where.dialect, encoding="cp1252" if where.v5 else None)
-        folder.problems += found
-        for block in blocks:
+        encoding = "cp1252" if where.v5 else None
+        for block in folder.read(source, partial(read_source, source, where.dialect, encoding=encoding)):
             earlier = folder.files.get(block.name.upper())
             if earlier is not None:
                 message = f'block "{block.name}" is declared a second time, first in {earlier.name}'
@@ -56,8 +70,7 @@ def read_folder(path: Path, where: Target, progress: Callable[[str, int, int], N
         if progress is not None and number % 50 == 0:
             progress("read", number, total)
     for number, document in enumerate(documents, len(sources)):
-        blocks, found = read_simaticml(document, classic=where.classic)
-        folder.problems += found
+        blocks = folder.read(document, partial(read_simaticml, document, classic=where.classic))
         folder.xml.update((block.name.upper(), block) for block in blocks)
         if progress is not None and number % 50 == 0:
             progress("read", number, total)

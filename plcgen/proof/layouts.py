@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import zip_longest
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.project.nouns import BlockRef, Frame
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
+from plcgen.proof.making import Pending
 from plcgen.proof.suite import LaidOut
 from plcgen.s7.blocks import Block
 from plcgen.s7.layout import Layout, layout_block
@@ -30,6 +32,13 @@ class Row:
     offset: int
     size: int
     type: DataType
+
+
+def layout_pending(frame: Frame, folder: Folder, laid: LaidOut) -> Pending:
+    """The check of one buffer before it is made."""
+    home = laid.buffer.home
+    make = partial(check_layout, frame, folder, laid)
+    return Pending(f"layout.{home.name}", f'{home.kind} "{home.name}"', partial(folder.place, home.name), make)
 
 
 def check_layout(frame: Frame, folder: Folder, laid: LaidOut) -> Check:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from typing import Generic, Protocol, TypeVar
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
+from plcgen.diagnostics import Span
+from plcgen.proof.making import unexpected
 from plcgen.proof.rig import Members, Source
 from plcgen.proof.scenario import DONE, IDLE, RUNNING, STARTED, Failure, Scenario, ScenarioError, Statistics
 
@@ -240,7 +243,7 @@ class Runner(Generic[S]):
             except ScenarioError as problem:
                 return self.failure(run, str(problem))
             except Exception as problem:  # noqa: BLE001 - changed sources may make the simulated CPU itself fail
-                return self.failure(run, f"the simulated CPU stopped: {type(problem).__name__} {problem}")
+                return replace(self.failure(run, unexpected(problem, Span("")).message), stopped=True)
         return None
 
     def failure(self, run: Run[S], message: str) -> Failure:

@@ -41,16 +41,20 @@ class Scenario:
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """A scenario that failed: in which scan it was noticed, at which statement."""
+    """A scenario that failed: in which scan it was noticed, at which statement.
+
+    ``stopped``: an exception that nobody expected ended it; without a scenario it ended the whole part.
+    """
 
     scenario: str
     scan: int
     message: str
     file: str
     line: int
+    stopped: bool = False
 
     def __str__(self) -> str:
-        return f"{self.scenario}, scan {self.scan}: {self.message}"
+        return f"{self.scenario}, scan {self.scan}: {self.message}" if self.scenario else self.message
 
 
 @dataclass(slots=True)
@@ -73,4 +77,5 @@ def diagnostic(code: str, key: str, failures: Sequence[Failure], page: str) -> D
     more = f" (and {len(failures) - 1} more)" if len(failures) > 1 else ""
     line = f"; the statement is {Path(first.file).name}:{first.line}" if first.file and first.line else ""
     span = Span(first.file, first.line, min(first.line, 1))
+    code = "PG627" if first.stopped else code
     return Diagnostic(code, f"{key}: {first}{more}", span, help=f"compare this place with {page}{line}")

@@ -12,13 +12,15 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.diagnostics import Diagnostic, Span
 from plcgen.input.files import read_bounded
 from plcgen.input.workbook import read_sheets
 from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check, file_check
 from plcgen.proof.folder import Folder, table_rows
 from plcgen.proof.headers import MAIN
+from plcgen.proof.making import attempted
+from plcgen.resources import templates_dir
 from plcgen.s7.address import Address
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.layout import Layout, layout_block, locate
@@ -28,8 +30,9 @@ from plcgen.simaticml.reading.documents import read_tag_table, read_watch_table
 
 MAX_BYTES = 16 * 1024 * 1024
 MAX_TAGS = 1_000_000
-SCRIPT = "2abb9af59cd36568d6da8b2f624d74d64615689148c94b9ae226a1f65f272ebd"
-"""SHA-256 of ``xml/import.ps1``, the same text for every project, without the version of the documents and with LF."""
+SCRIPT = "0c358c91cda49730e248444dab2488babb5a64872e2d9a686f918ea5c1f87c23"
+"""SHA-256 of the text of ``xml/import.ps1``: the same for every project, with ``{{ version }}`` for that of the
+documents."""
 _QUOTED = re.compile(r'"([^"\n]+)"')
 _ITEM = re.compile(r"^\d+\. `+ ?(.+?) ?`+$", re.MULTILINE)
 _PLACE = re.compile(r'"([^"]+)"(?:\.(.+))?')
@@ -58,13 +61,16 @@ def check_tables(project: Project, folder: Folder) -> Iterator[Check]:
     problems: list[Diagnostic] = []
     looks = dict(_Tables(project, folder).looks())
     for name, look in looks.items():
-        try:
-            problems += [Diagnostic("PG614", text, Span(str(folder.path / name))) for text in look()]
-        except _WrongError as wrong:
-            problems.append(Diagnostic("PG614", str(wrong), Span(str(folder.path / name))))
-        except DiagnosticError as problem:
-            problems += problem.diagnostics
+        place = Span(str(folder.path / name))
+        problems += attempted(partial(_looked, look, place), place)
     yield file_check("files.tables", "tables", f"{len(looks)} files", problems, "say what plan and blocks say")
+
+
+def _looked(look: Look, place: Span) -> Iterator[Diagnostic]:
+    try:
+        yield from (Diagnostic("PG614", text, place) for text in look())
+    except _WrongError as wrong:
+        yield Diagnostic("PG614", str(wrong), place)
 
 
 class _Tables:
@@ -259,9 +265,10 @@ class _Tables:
                 yield f"{name} is imported {f'with -{switch}' if switch else 'without being asked for'}"
 
     def script(self) -> Iterator[str]:
-        """The text that all projects share."""
-        text = self.text("xml/import.ps1").replace(self.project.target.xml_version or "", "")
-        if hashlib.sha256(text.encode()).hexdigest() != SCRIPT:
+        """The text that all projects share, with the version of the documents in it."""
+        shared = (templates_dir() / "text" / "import.ps1.j2").read_text("utf-8")
+        made = shared.replace("{{ version }}", self.project.target.xml_version or "")
+        if hashlib.sha256(shared.encode()).hexdigest() != SCRIPT or self.text("xml/import.ps1") != made:
             yield "is not the script of this version of plcgen"
 
     # ---- layout sheet

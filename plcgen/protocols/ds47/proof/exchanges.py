@@ -7,13 +7,15 @@ the generator is used. A job on several drives has one block: its first instance
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import product
 from typing import Literal
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, PlcgenError
+from plcgen.diagnostics import Diagnostic, DiagnosticError, PlcgenError, Span
 from plcgen.diagnostics.counting import shortlist
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
+from plcgen.proof.making import Pending
 from plcgen.proof.rig import shown_value
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part
 from plcgen.protocols.ds47.sim.bench import build_drive
@@ -40,7 +42,7 @@ class ExchangeError(PlcgenError):
         super().__init__(message)
 
 
-def check_telegrams(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
+def check_telegrams(plan: DrivePlan, folder: Folder) -> Iterator[Pending]:
     """Checks of the group ``telegrams``: start values of each request DB against the spec and DS47."""
     for job in plan.shapes:
         for telegram in job.telegrams:
@@ -52,14 +54,14 @@ def check_telegrams(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
                 _check_request(job, telegram, data)
                 return "start values form exactly this telegram"
 
-            yield _guard(
+            yield _pending(
                 f"telegram.{telegram.request.home.name}", telegram_name(job, telegram), text, folder, job, telegram, run
             )
 
 
 def check_drive(
     plan: DrivePlan, folder: Folder, own: Drive | None, progress: Callable[[str, int, int], None] | None
-) -> Iterator[Check]:
+) -> Iterator[Pending]:
     """Checks of the group ``drive``: a good exchange and every negative answer."""
     total = len(plan.shapes)
     for number, job in enumerate(plan.shapes):
@@ -72,7 +74,7 @@ def check_drive(
                 _exchange(plan, folder, job, telegram, build_drive(plan, job.drive, distinct=True))
                 return _exchange(plan, folder, job, telegram, own or build_drive(plan, job.drive))
 
-            yield _guard(f"drive.{telegram.request.home.name}", f"answer {name}", "", folder, job, telegram, good)
+            yield _pending(f"drive.{telegram.request.home.name}", f"answer {name}", "", folder, job, telegram, good)
             numbers, positions = len(errors.known_numbers()), len(telegram.parts)
             count, other = (numbers + 1) * positions, "1 word" if _other_words(job) == 1 else "2 words"
             text = f"{numbers} error numbers x {positions} positions, and one of {other} at each"
@@ -81,13 +83,20 @@ def check_drive(
                 longest = _negative(plan, folder, job, telegram)
                 return f"{count} negative answers fit, longest {longest} of {telegram.response.size} B"
 
-            yield _guard(f"negative.{telegram.response.home.name}", f"errors {name}", text, folder, job, telegram, bad)
+            yield _pending(
+                f"negative.{telegram.response.home.name}", f"errors {name}", text, folder, job, telegram, bad
+            )
 
 
-def _guard(
+def _pending(
     id_: str, subject: str, text: str, folder: Folder, job: DriveJob, telegram: DriveTelegram, run: Callable[[], str]
-) -> Check:
-    """Run one check; a finding becomes its outcome."""
+) -> Pending:
+    """One check; a finding becomes its outcome."""
+    place = partial(folder.place, (telegram.request.db or job.block).name)
+    return Pending(id_, subject, place, lambda: _run(id_, subject, text, place, run))
+
+
+def _run(id_: str, subject: str, text: str, place: Callable[[], Span], run: Callable[[], str]) -> Check:
     try:
         return Check(id_, subject, text, Outcome.OK, run())
     except ExchangeError as finding:
@@ -98,8 +107,7 @@ def _guard(
         code, message = "PG604", str(problem)
     except TelegramError as problem:
         code, message = "PG604", str(problem)
-    found = Diagnostic(code, message, folder.place((telegram.request.db or job.block).name))
-    return Check(id_, subject, text, Outcome.ERROR, message, found)
+    return Check(id_, subject, text, Outcome.ERROR, message, Diagnostic(code, message, place()))
 
 
 def telegram_name(job: DriveJob, telegram: DriveTelegram) -> str:

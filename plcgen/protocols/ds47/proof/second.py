@@ -9,6 +9,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, has_errors
 from plcgen.diagnostics.counting import quantity
@@ -23,7 +24,8 @@ from plcgen.oracles.documents import (
 )
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive, Use
+from plcgen.proof.making import Pending
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedDrive, Use
 from plcgen.protocols.ds47.proof.exchanges import ExchangeError, sound_image, talk, telegram_name
 from plcgen.protocols.ds47.sim.bench import build_drive
 from plcgen.protocols.ds47.sim.drive import Drive
@@ -145,30 +147,36 @@ def _limits(
                 yield Diagnostic("PG640", message, plan.loaded.span(use.path))
 
 
-def second_checks(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
+def second_checks(plan: DrivePlan, folder: Folder) -> Iterator[Pending]:
     """Both drives answer every request of the files, good and wrong ones."""
     for job in plan.shapes:
         for telegram in job.telegrams:
             id_, subject = f"second.{telegram.request.home.name}", telegram_name(job, telegram)
-            request = sound_image(plan, folder, job, telegram)
-            if request is None:
-                continue
-            strange = {part.use.format.name for part in telegram.parts} - set(profidrive.TYPES)
-            if strange:
-                verdict = f"not run: documents leave open how {', '.join(sorted(strange))} is answered"
-                yield Check(id_, subject, "", Outcome.NOT_RUN, verdict)
-                continue
-            try:
-                count = TwoDrives(plan, job, request).run()
-            except (_DifferenceError, ExchangeError, profidrive.UnansweredError, TelegramError) as found:
-                message = str(found)
-            except DiagnosticError as found:
-                message = found.diagnostics[0].message
-            else:
-                yield Check(id_, subject, "", Outcome.OK, f"both drives give the same {count} answers")
-                continue
-            problem = Diagnostic("PG640", message, folder.place((telegram.request.db or job.block).name))
-            yield Check(id_, subject, "", Outcome.ERROR, message, problem)
+            place = partial(folder.place, (telegram.request.db or job.block).name)
+            yield Pending(id_, subject, place, partial(_both, plan, folder, job, telegram))
+
+
+def _both(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTelegram) -> Iterator[Check]:
+    id_, subject = f"second.{telegram.request.home.name}", telegram_name(job, telegram)
+    request = sound_image(plan, folder, job, telegram)
+    if request is None:
+        return
+    strange = {part.use.format.name for part in telegram.parts} - set(profidrive.TYPES)
+    if strange:
+        verdict = f"not run: documents leave open how {', '.join(sorted(strange))} is answered"
+        yield Check(id_, subject, "", Outcome.NOT_RUN, verdict)
+        return
+    try:
+        count = TwoDrives(plan, job, request).run()
+    except (_DifferenceError, ExchangeError, profidrive.UnansweredError, TelegramError) as found:
+        message = str(found)
+    except DiagnosticError as found:
+        message = found.diagnostics[0].message
+    else:
+        yield Check(id_, subject, "", Outcome.OK, f"both drives give the same {count} answers")
+        return
+    problem = Diagnostic("PG640", message, folder.place((telegram.request.db or job.block).name))
+    yield Check(id_, subject, "", Outcome.ERROR, message, problem)
 
 
 @dataclass(frozen=True)

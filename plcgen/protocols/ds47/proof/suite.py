@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from plcgen.cpu.cpu import Cpu
 from plcgen.cpu.program import Program
+from plcgen.diagnostics import Span
 from plcgen.diagnostics.counting import quantity, shortlist
 from plcgen.input.text import read_text
 from plcgen.project.nouns import BufferField
@@ -17,6 +19,7 @@ from plcgen.proof.coverage import NO_OTHER
 from plcgen.proof.effort import Faults
 from plcgen.proof.folder import Folder
 from plcgen.proof.ledger import Assumption
+from plcgen.proof.making import Pending, make_checks
 from plcgen.proof.rig import shown_value
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Statistics
@@ -78,24 +81,33 @@ class DriveProof:
 
     def telegrams(self, folder: Folder) -> Iterator[Check]:
         """Start values of the requests, and of the commands of all jobs."""
+        return make_checks(self._telegrams(folder), "telegrams", Span(str(folder.path)))
+
+    def _telegrams(self, folder: Folder) -> Iterator[Pending]:
         yield from check_telegrams(self.plan, folder)
-        yield from check_commands(self.plan, folder)
-        yield from check_guide(self.plan, folder)
+        place, plan = (lambda: Span(str(folder.path))), self.plan
+        yield Pending("commands", "commands", place, lambda: check_commands(plan, folder))
+        yield Pending("guide", "guide", place, lambda: check_guide(plan, folder))
 
     def exchanges(self, folder: Folder, partner: Path | None, progress: Progress | None) -> CheckGroup | None:
         """Every telegram against the simulated drive, or the one in a drive file."""
         if not self.plan.jobs:
             return None
         own = drive_maker(partner)() if partner is not None else None
-        return CheckGroup("drive", "Simulated drive", tuple(check_drive(self.plan, folder, own, progress)))
+        checks = make_checks(check_drive(self.plan, folder, own, progress), "drive", Span(str(folder.path)))
+        return CheckGroup("drive", "Simulated drive", tuple(checks))
 
     def oracles(self, folder: Folder, *, dissector: bool) -> Iterator[Check]:
         """Published telegrams, facts of documents, the second drive; with ``dissector`` Wireshark."""
+        return make_checks(self._oracles(folder, dissector=dissector), "oracles", Span(str(folder.path)))
+
+    def _oracles(self, folder: Folder, *, dissector: bool) -> Iterator[Check | Pending]:
         yield from published_checks(self.plan)
         yield from fact_checks(self.plan)
         yield from second_checks(self.plan, folder)
         if dissector:
-            yield from dissected_checks(self.plan, folder)
+            make = partial(dissected_checks, self.plan, folder)
+            yield Pending("wireshark", "Wireshark", lambda: Span(str(folder.path)), make)
         elif self.plan.jobs:
             yield Check("wireshark", "Wireshark", "", Outcome.NOT_RUN, "not run: only with --oracle tshark")
 

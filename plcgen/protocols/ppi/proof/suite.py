@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from plcgen.cpu.program import Program
+from plcgen.diagnostics import Span
 from plcgen.diagnostics.counting import quantity, shortlist
 from plcgen.project.nouns import BufferField
 from plcgen.proof.checks import Check, CheckGroup, Outcome
@@ -14,6 +15,7 @@ from plcgen.proof.coverage import NO_OTHER
 from plcgen.proof.effort import Faults
 from plcgen.proof.folder import Folder
 from plcgen.proof.ledger import Assumption
+from plcgen.proof.making import make_checks
 from plcgen.proof.rig import shown_value
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Statistics
@@ -68,7 +70,7 @@ class PpiProof:
 
     def telegrams(self, folder: Folder) -> Iterator[Check]:
         """Start values of the tables."""
-        return check_telegrams(self.plan, folder)
+        return make_checks(check_telegrams(self.plan, folder), "telegrams", Span(str(folder.path)))
 
     def foundation(self, folder: Path, *, run: bool, share: Sharing) -> Iterator[Check]:
         """Nothing: a block is made for its master."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
+from plcgen.proof.making import Pending
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiPlan, PpiTelegram
 from plcgen.protocols.ppi.proof.words import LEAD
 from plcgen.protocols.ppi.wire.errors import PpiError
@@ -25,7 +27,7 @@ from plcgen.s7.image import StartValueError, image
 from plcgen.s7.layout import layout_block
 
 
-def check_telegrams(plan: PpiPlan, folder: Folder) -> Iterator[Check]:
+def check_telegrams(plan: PpiPlan, folder: Folder) -> Iterator[Pending]:
     """Checks of the group ``telegrams``: the table's start values are one telegram that says what the spec asks."""
     for master in plan.masters:
         for telegram in master.telegrams:
@@ -33,7 +35,9 @@ def check_telegrams(plan: PpiPlan, folder: Folder) -> Iterator[Check]:
             key = f"first frame to {plan.station_key(master, telegram.station)}"
             if job is not None:
                 key = f"{plan.key(master, job)}{_part(job.telegrams, telegram)}"
-            yield _telegram(plan, folder, master, telegram, key)
+            name = telegram.request.home.name
+            make = partial(_telegram, plan, folder, master, telegram, key)
+            yield Pending(f"telegram.{name}", key, partial(folder.place, name), make)
 
 
 def _part(telegrams: tuple[PpiTelegram, ...], telegram: PpiTelegram) -> str:
