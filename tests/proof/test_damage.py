@@ -77,12 +77,12 @@ def test_an_exception_is_a_red_check(
 
 def test_an_exception_in_a_worker_is_one_too(spec: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every job is run, each in one of two processes."""
-    monkeypatch.setattr(Cpu, "call", failing)
+    monkeypatch.setattr(rig.JobRig, "unit_of", failing)
     monkeypatch.setattr(os, "cpu_count", lambda: 2)
     found = {c.id: c.diagnostic for c in api.verify(spec).checks() if c.outcome is Outcome.ERROR}
     assert found["run.ramp"] is not None
     assert found["run.ramp"].code == "PG627"
-    assert {"run.ramp", "run.set", "run.line.level"} <= found.keys()
+    assert {"run.ramp", "run.set"} <= found.keys()
 
 
 @pytest.mark.parametrize("problem", [MemoryError, KeyboardInterrupt])

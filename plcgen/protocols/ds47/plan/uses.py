@@ -22,6 +22,9 @@ from plcgen.protocols.ds47.wire.bico import parse_bico
 from plcgen.protocols.ds47.wire.formats import Format, FormatKind, FormatValueError
 from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, camel_case, shorten
 
+HIGHEST_BOUND = 32_767
+"""Bounds of arrays are INT; a range is an array with the drive's own indexes, and a pad element behind it."""
+
 
 class UseResolver:
     """Resolves the parameters of one drive's jobs; problems go to the report, the use is then left out."""
@@ -167,6 +170,13 @@ class UseResolver:
             self.problem("PG206", f"{label}[{reference.first}..{reference.last}]: the range runs backwards", place)
         elif reference.last > 0xFFFE:
             self.problem("PG206", f"{label}: subindex {reference.last} is outside 0..65534", place)
+        elif reference.last > reference.first and reference.last >= HIGHEST_BOUND:
+            self.problem(
+                "PG206",
+                f"{label}[{reference.first}..{reference.last}]: arrays of a PLC end before index {HIGHEST_BOUND}",
+                place,
+                f"ask for the indexes from {HIGHEST_BOUND} on one by one",
+            )
         elif parameter.array is not None and reference.last >= parameter.array:
             self.problem(
                 "PG206",

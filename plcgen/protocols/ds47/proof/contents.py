@@ -12,6 +12,7 @@ from datetime import timedelta
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DriveTelegram, Part, Use
 from plcgen.protocols.ds47.proof import clocked
 from plcgen.protocols.ds47.proof.scenario import Contents
+from plcgen.protocols.ds47.sim.bench import DRAWN, repeated
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.protocols.ds47.sim.parameters import Keeps
 from plcgen.protocols.ds47.wire.formats import (
@@ -133,7 +134,10 @@ def _value_set(
             use.position: pack_values(use.format, odd(use, _elements(use), turn, given=True)) for use in job.supplied
         }
         return ValueSet(held, {use.position: use.data for use in job.uses} | given)
-    held = {pnu: _sample(use, len(parameters[pnu].values), draw, kind) for pnu, use in uses.items()}
+    held = {}
+    for pnu, use in uses.items():
+        count = len(parameters[pnu].values)
+        held[pnu] = repeated(_sample(use, min(count, DRAWN), draw, kind), count)
     given = {use.position: use.data for use in job.uses}
     given |= {use.position: pack_values(use.format, _sample(use, _elements(use), draw, kind)) for use in job.supplied}
     return ValueSet(held, given)

@@ -16,6 +16,8 @@ from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter
 from plcgen.protocols.ds47.wire.bico import parse_bico
 from plcgen.protocols.ds47.wire.formats import Format, FormatKind, Value, unpack_values
 
+DRAWN = 997
+"""So many values of a parameter are drawn: a prime, so that none repeats at a distance of a wrong index."""
 SAVING_MS = 300
 """How long the simulated drive saves."""
 
@@ -63,13 +65,13 @@ def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParam
     highest = max(u.subindex + (1 if fmt.is_string else u.count) for u in group)
     array = definition.array is not None or highest > 1
     count = max(definition.array or 1, highest)
-    values = [_value(use, definition, seed * 16 + index, distinct=distinct) for index in range(count)]
+    drawn = [_value(use, definition, seed * 16 + index, distinct=distinct) for index in range(min(count, DRAWN))]
     polled = any(u.poll is not None for u in group)
     limits = ValueLimits(definition.minimum, definition.maximum) if fmt.kind in _NUMERIC else ValueLimits()
     return SimulatedParameter(
         pnu=definition.pnu,
         format=fmt,
-        values=values,
+        values=repeated(drawn, count),
         name=definition.name[:16],
         array=array,
         limits=limits,
@@ -78,6 +80,11 @@ def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParam
         saves="" if definition.pnu not in SAVES.values() or not polled else _SAVED[definition.pnu],
         acknowledges=polled and definition.pnu == ACKNOWLEDGES,
     )
+
+
+def repeated(drawn: list[Value], count: int) -> list[Value]:
+    """Values of ``count`` indexes out of those that were drawn; a string is one value, however many octets it has."""
+    return (drawn * -(-count // DRAWN))[:count] if len(drawn) == DRAWN else drawn
 
 
 _SAVED = {SAVES["unit"]: "unit", SAVES["drive_object"]: "object"}

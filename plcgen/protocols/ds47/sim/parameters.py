@@ -98,7 +98,7 @@ class SimulatedParameter:
     saved: tuple[Value, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        formats.pack_values(self.format, self.values)
+        formats.pack_values(self.format, list(dict.fromkeys(self.values)))  # all are values of the format
         self.defaults = self.saved = tuple(self.values)
 
     def refusal(self, state: str, *, change: bool) -> int | None:
