@@ -193,7 +193,9 @@ def _verify(asked: Asked, progress: Progress | None, means: Means, report: Repor
         CheckGroup("layout", "Layout", tuple(make_checks(layouts, "layout", place))),
         CheckGroup("telegrams", "Telegrams", tuple(make_checks(telegrams, "telegrams", place))),
         *(group for group in exchanges if group is not None),
-        CheckGroup("oracles", "Independent oracles", tuple(make_checks((second, versions, *oracles), "oracles", place))),
+        CheckGroup(
+            "oracles", "Independent oracles", tuple(make_checks((second, versions, *oracles), "oracles", place))
+        ),
     ]
     del files
     bench = ProgramBench(project, folder)

@@ -87,6 +87,11 @@ class UseResolver:
             help_ = "use fewer indexes, or several jobs"
             self.problem("PG307", f"{item.parameter} needs more than {MAX_TELEGRAMS} telegrams", place, help_)
             return None
+        if values > 1 and (reference.last or 0) >= HIGHEST_BOUND:
+            help_ = f"ask for the indexes from {HIGHEST_BOUND} on one by one"
+            message = f"{item.parameter}: arrays of a PLC end before index {HIGHEST_BOUND}"
+            self.problem("PG206", message, place, help_)
+            return None
         start = item.value if isinstance(item, WriteItem) and item.value is not None else None
         constant = start is not None
         if isinstance(item, WriteItem) and not constant:
@@ -170,13 +175,6 @@ class UseResolver:
             self.problem("PG206", f"{label}[{reference.first}..{reference.last}]: the range runs backwards", place)
         elif reference.last > 0xFFFE:
             self.problem("PG206", f"{label}: subindex {reference.last} is outside 0..65534", place)
-        elif reference.last > reference.first and reference.last >= HIGHEST_BOUND:
-            self.problem(
-                "PG206",
-                f"{label}[{reference.first}..{reference.last}]: arrays of a PLC end before index {HIGHEST_BOUND}",
-                place,
-                f"ask for the indexes from {HIGHEST_BOUND} on one by one",
-            )
         elif parameter.array is not None and reference.last >= parameter.array:
             self.problem(
                 "PG206",
