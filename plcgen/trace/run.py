@@ -24,7 +24,7 @@ from plcgen.trace.model import BlockCall, CallShape, Contact, Kind, Signal, Step
 from plcgen.trace.program import load_program
 from plcgen.trace.recorder import Derived, RecordingCpu, Watched, signal
 from plcgen.trace.settings import TimedValue, parse_time, parse_timed_value, read_inputs
-from plcgen.trace.values import full_path, member_paths, set_member
+from plcgen.trace.values import full_path, set_member, valued_members
 
 Progress = Callable[[str, int, int], None]
 EVERYTHING = "*"
@@ -261,7 +261,7 @@ class _Run:
             if f"memory.{path}" not in self.positions:
                 self.add(*signal(self.cpu, "memory", path, full, listed=True))
         if EVERYTHING in self.settings.watches:
-            for path in member_paths(self.cpu):
+            for path in valued_members(self.cpu):
                 if f"memory.{path}" not in self.positions:
                     self.add(*signal(self.cpu, "memory", path, path))
 

@@ -48,7 +48,7 @@ def _members(cpu: Cpu, name: str) -> list[str]:
     return [e.path for e in layout_block(entry.block, cpu.program.link.types).entries if not e.shape.fields]
 
 
-def member_paths(cpu: Cpu) -> Iterator[str]:
+def valued_members(cpu: Cpu) -> Iterator[str]:
     """Paths of all members of all data blocks that hold a value or an array, instances included, as the CPU knows them.
 
     A member without a value of its own (a pointer) is left out.
