@@ -73,6 +73,7 @@ jobs:
     write: {{P2890: null, "P2901[1..3]": null, "P2902[0..2]": [1, 2, 255], P2903: 1.5, "P2904[0..2]": null, P2905: 7,
             P2906: hello, P2907: "010203", P2908: null, "P2909[0..1]": null, P2910: 1000, P2911: -1, P2912: null,
             P2913: 16#8001, P2914: null, "P3001[0..1]": [-1, 1], P3002: r0722.3, P3003: null, "P3004[0..2]": null}}
+    allow: {{P2909: a type, P2910: a type, P2911: a type, P2912: a type, P2913: a type}}
   read_table: {{drive: axis, read: ["P3000[0..199]", P3003], timeout: 60s}}
   write_table: {{drive: axis, write: {{"P3000[10..150]": null, P3003: 7}}, timeout: 60s}}
 """

@@ -22,44 +22,44 @@ bases: []
 parameters:
 """
 KNOWN = """\
-  P212: {type: Unsigned16}
   P899: {type: Unsigned16, access: r}
   P971: {type: Unsigned16, min: 0, max: 1}
-  P1210: {type: Integer16, min: 0, max: 16}
-  P1240: {type: Integer16, array: 9, min: 0, max: 6}
+  P1016: {title: Mode, type: Integer16, min: 0, max: 16DANGER}
+  P1400: {title: Configuration, type: Unsigned16DANGER}
+  P2616: {title: Numbers, type: Integer16, array: 9, min: 0, max: 6DANGER}
   P2900: {type: FloatingPoint, array: 9, min: 0.0, max: 90.0}
 """
-OWN = "P1210: {type: Integer16, min: 0, max: 16}, P2900: {type: FloatingPoint, min: 0.0, max: 90.0}"
-RECIPES = "recipes: {few: {parameters: [P2900, P1210], records: 2}}\n"
+"""Harmless in every family: what is dangerous is said by a profile."""
+RECIPES = "recipes: {few: {parameters: [P2900, P1016], records: 2}}\n"
 FORMS = {
-    "alone": ("P1210", "write: {P1210: 4}"),
-    "short form of an input": ("P1210", "write: [{parameter: P1210}]"),
-    "an input": ("P1210", "write: [{parameter: P1210, type: Integer16, start: 4}]"),
-    "by its number": ("P1210", "write: [{parameter: '1210', value: 4}]"),
-    "behind another": ("P1210", "write: [{parameter: P2900, value: 1.0}, {parameter: P1210, value: 4}]"),
-    "an index": ("P1240", "write: [{parameter: 'P1240[2]', value: 1}]"),
-    "a range": ("P1240", "write: [{parameter: 'P1240[0..3]', value: [0, 1, 2, 3]}]"),
-    "a bit": ("P212", "write: [{parameter: P212.3, value: 1}]"),
-    "several bits": ("P212", "write: [{parameter: P2900, value: 1.0}, {parameter: P212.0}, {parameter: P212.3}]"),
-    "a step": ("P1210", "sequence: [{read: [P2900]}, {write: {P1210: 4}}]"),
-    "a step behind a wait": ("P1210", 'sequence: [{until: {P2900: "> 1.0"}}, {write: {P1210: 4}}]'),
-    "a recipe": ("P1210", "write_recipe: few"),
-    "a recipe that is read back": ("P1210", "write_recipe: few, verify: readback"),
-    "read back": ("P1210", "write: {P1210: 4}, verify: readback"),
-    "restored": ("P1210", "write: {P1210: 4}, verify: readback, on_error: restore"),
-    "restored bits": ("P212", "write: {P212.3: 1}, verify: readback, on_error: restore"),
-    "read back and saved": ("P1210", "write: {P1210: 4}, verify: readback, save: drive_object"),
-    "split": ("P1240", "write: [{parameter: 'P1240[0..1]', value: 1}, {parameter: 'P1240[2..3]', value: 1, as: more}]"),
+    "alone": ("P1016", "write: {P1016: 4}"),
+    "short form of an input": ("P1016", "write: [{parameter: P1016}]"),
+    "an input": ("P1016", "write: [{parameter: P1016, type: Integer16, start: 4}]"),
+    "by its number": ("P1016", "write: [{parameter: '1016', value: 4}]"),
+    "behind another": ("P1016", "write: [{parameter: P2900, value: 1.0}, {parameter: P1016, value: 4}]"),
+    "an index": ("P2616", "write: [{parameter: 'P2616[2]', value: 1}]"),
+    "a range": ("P2616", "write: [{parameter: 'P2616[0..3]', value: [0, 1, 2, 3]}]"),
+    "a bit": ("P1400", "write: [{parameter: P1400.3, value: 1}]"),
+    "several bits": ("P1400", "write: [{parameter: P2900, value: 1.0}, {parameter: P1400.0}, {parameter: P1400.3}]"),
+    "a step": ("P1016", "sequence: [{read: [P2900]}, {write: {P1016: 4}}]"),
+    "a step behind a wait": ("P1016", 'sequence: [{until: {P2900: "> 1.0"}}, {write: {P1016: 4}}]'),
+    "a recipe": ("P1016", "write_recipe: few"),
+    "a recipe that is read back": ("P1016", "write_recipe: few, verify: readback"),
+    "read back": ("P1016", "write: {P1016: 4}, verify: readback"),
+    "restored": ("P1016", "write: {P1016: 4}, verify: readback, on_error: restore"),
+    "restored bits": ("P1400", "write: {P1400.3: 1}, verify: readback, on_error: restore"),
+    "read back and saved": ("P1016", "write: {P1016: 4}, verify: readback, save: drive_object"),
+    "split": ("P2616", "write: [{parameter: 'P2616[0..1]', value: 1}, {parameter: 'P2616[2..3]', value: 1, as: more}]"),
 }  # fmt: skip
 """Every form of a write, with the number that it writes."""
 
 
-def write(folder: Path, job: str, order: list[str], own: str = OWN) -> Path:
-    """A job on drives: s is an S120, every other one a drive in which nothing of it is dangerous."""
-    (folder / "plain.yaml").write_text(HEAD + KNOWN, "utf-8")
+def write(folder: Path, job: str, order: list[str]) -> Path:
+    """A job on drives: s is one in which it is dangerous, in every other one nothing of it is."""
+    (folder / "plain.yaml").write_text(HEAD + KNOWN.replace("DANGER", ""), "utf-8")
+    (folder / "danger.yaml").write_text(HEAD + KNOWN.replace("DANGER", ", dangerous: opens the chuck"), "utf-8")
     drives = [
-        f"  {key}: {{device: {f'sinamics-s120, parameters: {{{own}}}' if key[0] == 's' else './plain.yaml'}, "
-        f"record_index: profibus, address: {256 + 8 * at}}}\n"
+        f"  {key}: {{device: ./{'danger' if key[0] == 's' else 'plain'}.yaml, address: {256 + 8 * at}}}\n"
         for at, key in enumerate(order)
     ]
     spec = folder / "job.yaml"
@@ -92,33 +92,32 @@ def test_a_dangerous_number_is_refused_in_every_form_on_every_drive(tmp_path: Pa
 
 def test_what_was_signed_off_is_listed_for_the_drive_in_which_it_is_dangerous(tmp_path: Path) -> None:
     """IMPORT.md has the reason at the drive; the sheet of the job has it, whichever drive it is."""
-    spec = write(tmp_path, "write: {P1210: 4}, allow: {P1210: agreed}", ["p", "s"])
+    spec = write(tmp_path, "write: {P1016: 4}, allow: {P1016: agreed}", ["p", "s"])
     result = api.generate(spec, tmp_path / "out")
     assert result.ok
     guide = (tmp_path / "out" / "IMPORT.md").read_text("utf-8").splitlines()
-    rows = [line for line in guide if "P1210" in line and "| " in line]
+    rows = [line for line in guide if "P1016" in line and "| " in line]
     assert ["signed off: agreed" in row for row in rows] == [False, True]
     assert "None" not in "".join(rows)
     (entry,) = review_sheet(api.check(spec).project.plan(DrivePlan)).writes
-    assert (entry.danger[:8], entry.signed) == ("restarts", "agreed")
+    assert (entry.danger[:8], entry.signed) == ("opens th", "agreed")
 
 
 @pytest.mark.parametrize("different", [False, True], ids=["equal", "each defined in its own way"])
 def test_twenty_drives_are_one_problem(tmp_path: Path, different: bool) -> None:
-    """However many of them are dangerous: the first one is named."""
-    (tmp_path / "plain.yaml").write_text(HEAD + KNOWN, "utf-8")
+    """However many of them are dangerous, unlike a G120: the first one is named."""
     own = [f"parameters: {{P2901: {{type: Integer16, max: {20 + n if different else 20}}}}}" for n in range(20)]
     drives = "".join(f"  s{n}: {{device: sinamics-s120, address: {300 + 8 * n}, {own[n]}}}\n" for n in range(20))
     spec = tmp_path / "job.yaml"
     names = ", ".join(f"s{n}" for n in range(20))
     spec.write_text(
         "plc: {name: a, family: s7-300, toolchain: tia-v16}\n"
-        f"drives:\n  p: {{device: ./plain.yaml, address: 256}}\n{drives}"
-        f"jobs: {{j: {{drive: [p, {names}], write: [{{parameter: P1210, type: Integer16, value: 4}}]}}}}\n",
+        f"drives:\n  p: {{device: sinamics-g120, address: 256}}\n{drives}"
+        f"jobs: {{j: {{drive: [p, {names}], write: [{{parameter: P1800, type: FloatingPoint, value: 4}}]}}}}\n",
         "utf-8",
     )
     (told,) = api.check(spec).diagnostics
-    assert (told.code, told.message[:46]) == ("PG219", "writing P1210 (Automatic restart mode) of s0 n")
+    assert (told.code, told.message[:46]) == ("PG219", "writing P1800 of s0 needs a sign-off: comes wi")
 
 
 def test_equal_drives_that_do_not_fit_are_one_problem(tmp_path: Path) -> None:

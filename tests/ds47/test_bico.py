@@ -43,7 +43,7 @@ def test_a_dissected_change_names_the_source():
 SPEC = """\
 plc: {{name: a, family: s7-300, toolchain: tia-v16}}
 drives: {{d: {{device: {device}, address: 256{more}}}}}
-jobs: {{j: {{drive: d, write: {{P840: {value}}}, request: {{db: 5}}}}}}
+jobs: {{j: {{drive: d, write: {{P840: {value}}}, allow: {{P840: agreed}}, request: {{db: 5}}}}}}
 """
 
 

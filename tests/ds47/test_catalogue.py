@@ -28,7 +28,7 @@ record_index: {profibus: 47, default: profibus}
 drive_object: {default: 1}
 sources: {list: Acme list of parameters p. 7}
 parameters:
-  P1: {title: Read, type: Integer16, array: 4, min: 0, max: 9, default: 5, source: list}
+  P1: {title: Read, type: Integer16, array: 4, min: 0, max: 9, default: 5, source: list, harmless: a colour}
   P2: {title: Recalled, type: Integer16, array: 4, min: 0, max: 9, default: 5, grade: recalled}
   P3: {title: Mixed, type: Integer16, max: 9, default: 5, facts: {max: inferred}, observed: 7}
   P4: {title: By data set, type: Integer16, array: DDS}
@@ -267,5 +267,7 @@ def test_a_definition_in_the_spec_is_looked_up(acme: Path) -> None:
 def test_pages_know_danger_and_what_a_drive_had() -> None:
     """What a reader must know before writing."""
     page = pages.parameter_page(find_device("sinamics-s210"), find_device("sinamics-s210").parameters[1532])
-    assert dict(page.sections)["Dangerous"].startswith("the list manual warns: an unloaded drive")
+    assert dict(page.sections)["Dangerous"].startswith(
+        "moves a torque limit: one of the wrong sign accelerates the motor"
+    )
     assert isinstance(find_device("sinamics-dcm").parameters[50303], Parameter)

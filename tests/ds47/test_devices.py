@@ -134,7 +134,7 @@ plc: {name: a, family: s7-1500, toolchain: tia-v17}
 drives: {d: {device: DEVICE, hardware_id: 270}}
 jobs:
   look: {drive: d, read: [ramp, torque]}
-  set: {drive: d, write: {ramp: 2.0, torque: null}}
+  set: {drive: d, write: {ramp: 2.0, torque: null}, allow: {P11: agreed}}
 """
 
 ACME = """\
@@ -148,7 +148,8 @@ scalar_elements: {read: 0, write: 1}
 strict_length: false
 error_table: profidrive
 parameters:
-  P20: {name: ramp, title: Ramp time, type: FloatingPoint, unit: s, min: 0, max: 10, default: 1.5, array: 3}
+  P20:
+    {name: ramp, title: Ramp time, type: FloatingPoint, unit: s, min: 0, max: 10, default: 1.5, array: 3, harmless: ok}
   p11: {name: torque, type: Integer16, min: -100, max: 100, source: chapter 4}
   R12: {name: speed, type: Unsigned16, access: r}
   P13: {name: save, type: Unsigned16, dangerous: wears the memory}
@@ -200,8 +201,7 @@ def test_help_names_what_was_meant(tmp_path: Path) -> None:
     assert 'did you mean "exact"? allowed: exact, size' in helps[6] or "1, 2" in helps[6]
     assert 'did you mean "FloatingPoint"?' in helps[14]
     assert (
-        "keys here: type, name, title, unit, access, array, min, max, default, bico, values, dangerous, source"
-        in helps[16]
+        ", name, title, unit, access, array, min, max, default, bico, values, dangerous, harmless, source" in helps[16]
     )
     assert 'did you mean "access"?' in helps[22]
 
@@ -243,7 +243,18 @@ def test_a_profile_says_everything_that_a_shipped_one_says(tmp_path: Path) -> No
         strict_length=False, bases=(), bico="drive-object", error_table="profidrive", parameters={},
     )  # fmt: skip
     assert device.parameters[20] == Parameter(
-        20, "FloatingPoint", "ramp", "Ramp time", "s", "rw", 3, 0.0, 10.0, 1.5, source="Acme manual 12"
+        20,
+        "FloatingPoint",
+        "ramp",
+        "Ramp time",
+        "s",
+        "rw",
+        3,
+        0.0,
+        10.0,
+        1.5,
+        harmless="ok",
+        source="Acme manual 12",
     )
     assert (device.parameters[11].source, device.parameters[12].access) == ("chapter 4", "r")
     assert (device.parameters[13].dangerous, device.parameters[14].bico) == ("wears the memory", True)

@@ -26,6 +26,7 @@ jobs:
   ramps: {drive: fan, write: {P1120: 10.0, P1121: null, P1082: 1500.0, P1058: 100.0}, allow: {P1082: agreed}}
   look: {drive: fan, read: [r21]}
 """
+ALLOW = "allow: {P840: agreed, P1083: agreed, P1300: agreed}"
 LIST = """\
 Parameter;Parameter text;Online value;Unit;Minimum;Maximum
 p1120;Ramp-up;10,000;s;0,000;999999,000
@@ -119,7 +120,7 @@ def test_bits_that_are_written(value: str, verdict: str) -> None:
 @pytest.mark.usefixtures("folder")
 def test_a_value_that_cannot_be_read_is_a_finding(cell: str, verdict: str) -> None:
     """What the list has and nobody can compare did not pass; only where it says nothing there is nothing to find."""
-    job = f"{SPEC.partition('jobs:')[0]}jobs: {{j: {{drive: fan, write: {{P1083: 1400.0}}}}}}\n"
+    job = f"{SPEC.partition('jobs:')[0]}jobs: {{j: {{drive: fan, write: {{P1083: 1400.0}}, {ALLOW}}}}}\n"
     Path("job.yaml").write_text(job, "utf-8")
     Path("list.csv").write_text(f"{LIST.partition('p1120')[0]}p1083;Limit;{cell};rpm;;\n", "utf-8")
     code, out, _ = plcgen("catalogue", "drift", "list.csv", "job.yaml", "--json")
@@ -146,8 +147,8 @@ def test_every_element_is_compared(second: str, verdict: str) -> None:
 @pytest.mark.usefixtures("folder")
 def test_an_enumeration_and_a_source() -> None:
     """The number in front of a text is its value; a source is not compared, and the result says so."""
-    write = "{P1300: 20, P840: r722.2}"
-    Path("job.yaml").write_text(f"{SPEC.partition('jobs:')[0]}jobs: {{j: {{drive: fan, write: {write}}}}}\n", "utf-8")
+    job = f"{{drive: fan, write: {{P1300: 20, P840: r722.2}}, {ALLOW}}}"
+    Path("job.yaml").write_text(f"{SPEC.partition('jobs:')[0]}jobs: {{j: {job}}}\n", "utf-8")
     rows = "p1300;Mode;[0] V/f control;;;\np840;ON/OFF1;r722.3;;;\n"
     Path("list.csv").write_text(LIST.partition("p1120")[0] + rows, "utf-8")
     _, out, _ = plcgen("catalogue", "drift", "list.csv", "job.yaml", "--json")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args
 
@@ -11,7 +11,7 @@ from pydantic import AfterValidator, Field
 
 from plcgen.input.printed import Name, Printed, Value
 from plcgen.input.validation import StrictModel, problem
-from plcgen.protocols.ds47 import guards
+from plcgen.protocols.ds47 import effects
 from plcgen.protocols.ds47.objects import CONTROL_UNIT_TYPE, OTHER, kindred, single_types
 from plcgen.protocols.ds47.references import parse_reference
 
@@ -57,12 +57,12 @@ class Parameter:
 
     ``type`` is the DS47 data type on the wire, empty if nobody knows it; ``array`` the number of indexes (None: not
     indexed, or ``indexes`` says what the number follows, or that nobody read whether it is indexed); ``access`` is r, w
-    or rw; ``minimum``/``maximum`` in the parameter's unit; ``dangerous`` says why a write needs a sign-off where its
-    profile says so: ``Device.danger`` knows the numbers too. ``grades`` says how each stated fact is known. Limits,
-    factory setting, number of indexes and names of values that were not read decide nothing: they stand in ``doubted``
-    alone. ``observed`` is a value that a drive had once; ``values`` are single values by their names; ``scaling`` is
-    the reference of the value in process data, p2000 for example; ``objects`` are the types of the drive objects that
-    have it, empty if nobody knows.
+    or rw; ``minimum``/``maximum`` in the parameter's unit; ``dangerous`` and ``harmless`` say why a write needs a
+    sign-off, or none, where its profile says so: ``Device.danger`` knows the numbers too. ``grades`` says how each
+    stated fact is known. Limits, factory setting, number of indexes and names of values that were not read decide
+    nothing: they stand in ``doubted`` alone. ``observed`` is a value that a drive had once; ``values`` are single
+    values by their names; ``scaling`` is the reference of the value in process data, p2000 for example; ``objects`` are the types of the
+    drive objects that have it, empty if nobody knows.
     """
 
     pnu: int
@@ -77,6 +77,7 @@ class Parameter:
     default: bool | float | str | None = None
     bico: bool = False
     dangerous: str = ""
+    harmless: str = ""
     source: str = ""
     indexes: str = ""
     observed: bool | float | str | None = None
@@ -188,10 +189,18 @@ class Device:
             return "surely"
         return "" if kindred(own) & known.objects else "perhaps"
 
-    def danger(self, pnu: int) -> str:
-        """Why a write needs a sign-off, whatever a spec says about the parameter; empty if it needs none."""
+    def danger(self, pnu: int, values: Collection[object] | None = None) -> str:
+        """Why a write of these values needs a sign-off, whatever a spec says about the parameter; empty if it needs
+        none. None are values that nobody knows yet: then any that would need one counts.
+        """
         known = self.parameters.get(pnu)
-        return (known.dangerous if known is not None else "") or guards.danger(pnu)
+        own = known.dangerous if known is not None else ""
+        return own or effects.danger(pnu, (self.key, self.like), values)
+
+    def classified(self, pnu: int) -> bool:
+        """Whether anybody has said what a write of this number does."""
+        known = self.parameters.get(pnu)
+        return effects.classified(pnu) or (known is not None and bool(known.dangerous or known.harmless))
 
     def by_name(self, name: str) -> Parameter | None:
         """Catalogue parameter by symbolic name."""
@@ -243,7 +252,8 @@ def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Pa
         default=None if "default" in doubted else stated.get("default"),
         observed=entry.get("observed"),
         bico=entry.get("bico", False),
-        dangerous=entry.get("dangerous", ""),
+        dangerous=entry.get("dangerous") or "",
+        harmless=entry.get("harmless") or "",
         source=entry.get("source", ""),
         changeable=entry.get("changeable", ""),
         note=entry.get("note", ""),

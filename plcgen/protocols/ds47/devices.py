@@ -112,7 +112,7 @@ def _lent(one: Parameter, base: Device) -> Parameter:
     """A parameter of another device: whatever was read there is a conclusion here, so it decides no limits."""
     known = facts(one)
     entry: dict[str, Any] = {fact: value for fact, (value, _) in known.items()}
-    entry |= {key: getattr(one, key) for key in ("name", "dangerous", "note", "bico")}
+    entry |= {key: getattr(one, key) for key in ("name", "dangerous", "harmless", "note", "bico")}
     entry |= {"type": one.type or UNKNOWN, "source": f"as of the same number in {base.key}: {one.source}"}
     grades = {fact: "inferred" if grade == "read" else grade for fact, grade in one.grades.items()}
     return parameter_from(one.pnu, {**entry, "grade": "inferred", "facts": grades}, read_only=one.access == "r")

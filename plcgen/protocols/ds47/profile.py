@@ -135,6 +135,7 @@ class ParameterEntry(ParameterDef):
     title: Line | None = Field(None, description="text for comments")
     unit: Line | None = None
     dangerous: Line | None = Field(None, description="why a write needs a sign-off (allow:)")
+    harmless: Line | None = Field(None, description="why it needs none, for a number that plcgen does not know")
     source: Line | None = Field(None, description="where this is documented; absent: the source of the profile")
     grade: Grade = Field("read", description="how the facts are known: read, inferred, recalled")
     facts: dict[Fact, Grade] = Field(default_factory=dict, description="the same for single facts")

@@ -9,6 +9,7 @@ from plcgen.inspection.sheet import ExchangeSheet, JobInstance, Message, Message
 from plcgen.project.nouns import Buffer
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Parameter
+from plcgen.protocols.ds47.effects import UNCLASSIFIED
 from plcgen.protocols.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
 from plcgen.protocols.ds47.plan.values import literals_text
 from plcgen.protocols.ds47.views.texts import field_texts
@@ -53,8 +54,10 @@ def _instance(job: DriveJob) -> JobInstance:
 def _write(plan: DrivePlan, shape: DriveJob, use: Use) -> WriteEntry:
     jobs, parameter = plan.instances(shape), use.parameter
     kinds = plan.drive_kinds(shape)
-    danger = next((why for job in kinds if (why := job.drive.device.danger(parameter.pnu))), "")
     at = shape.uses.index(use)
+    danger = next((why for job in kinds if (why := plan.danger(job, job.own[at]))), "")
+    if not danger and any(plan.unclassified(job, job.own[at]) for job in kinds):
+        danger = UNCLASSIFIED
     triggers = [_trigger(job) for job in jobs]
     source = _source(shape, use)
     return WriteEntry(

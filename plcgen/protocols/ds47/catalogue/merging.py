@@ -202,7 +202,8 @@ def _row(one: Parameter) -> dict[str, Any]:
     every = {fact: grade for fact, grade in one.grades.items() if grade != "read"}
     shown: dict[str, Any] = {"name": one.name, "title": one.title, "type": one.type or UNKNOWN}
     shown |= {**stated, "observed": one.observed}
-    shown |= {"changeable": one.changeable, "dangerous": one.dangerous, "facts": every}
+    shown |= {"changeable": one.changeable, "dangerous": one.dangerous, "harmless": one.harmless}
+    shown |= {"facts": every}
     shown |= {"note": one.note, "source": one.source}
     return {key: value for key, value in shown.items() if value not in (None, "", {})}
 

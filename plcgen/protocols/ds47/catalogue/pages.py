@@ -35,7 +35,7 @@ def parameter_page(device: Device, parameter: Parameter) -> Page:
         sections.append((f"Names of values ({how})", told_value(names)))
     if parameter.observed is not None:
         sections.append(("Seen in a drive", f"{parameter.observed}, which is not a factory setting"))
-    danger = device.danger(parameter.pnu)
+    danger = device.danger(parameter.pnu) if "w" in parameter.access else ""
     if danger:
         sections.append(("Dangerous", f"{danger}; a job that writes it needs a sign-off"))
     for heading, text in (("Can be changed", parameter.changeable), ("Note", parameter.note)):
@@ -54,7 +54,7 @@ def data(device: Device, parameter: Parameter) -> Mapping[str, Any]:
         "name": parameter.name,
         "facts": {fact: {"value": value, "grade": grade} for fact, (value, grade) in facts(parameter).items()},
         "observed": parameter.observed,
-        "dangerous": device.danger(parameter.pnu),
+        "dangerous": device.danger(parameter.pnu) if "w" in parameter.access else "",
         "changeable": parameter.changeable,
         "note": parameter.note,
         "source": parameter.source,

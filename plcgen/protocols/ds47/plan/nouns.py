@@ -19,9 +19,11 @@ from plcgen.protocols.ds47.kinds.messages import PLACES
 from plcgen.protocols.ds47.kinds.registry import kinds
 from plcgen.protocols.ds47.references import number_of
 from plcgen.protocols.ds47.schema import DriveSections, DriveSettings, JobEntry
-from plcgen.protocols.ds47.wire.formats import Format
+from plcgen.protocols.ds47.wire.formats import Format, FormatKind, unpack_values
 from plcgen.protocols.ds47.words import VARIANTS, Variant
 from plcgen.s7.types import Elementary
+
+_NUMBERS = frozenset({FormatKind.BOOLEAN, FormatKind.SIGNED, FormatKind.UNSIGNED, FormatKind.FLOAT})
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,6 +120,12 @@ class Use:
     def subindex(self) -> int:
         """First subindex; 0 without an index."""
         return self.first or 0
+
+    @property
+    def numbers(self) -> frozenset[object] | None:
+        """What it writes, if those are numbers that the spec gives."""
+        plain = self.constant and not self.bits and self.format.kind in _NUMBERS
+        return frozenset(unpack_values(self.format, self.count, self.data)) if plain else None
 
     @property
     def precedes(self) -> bool:
@@ -522,6 +530,20 @@ class DrivePlan(Plan):
     def settings(self, drive: PlannedDrive) -> DriveSettings:
         """What the spec says about a drive."""
         return next(placed.drive for placed in self.spec.placed() if placed.path == drive.path)
+
+    def danger(self, job: DriveJob, use: Use) -> str:
+        """Why what is written needs a sign-off: the one question that every kind of job answers to.
+
+        A job that restores old values may write any.
+        """
+        if not use.writes:
+            return ""
+        values = use.numbers if self.entry(job).on_error is None else None
+        return job.drive.device.danger(use.parameter.pnu, values)
+
+    def unclassified(self, job: DriveJob, use: Use) -> bool:
+        """Whether nobody has said what it does, or that it needs no sign-off."""
+        return use.writes and not job.drive.device.classified(use.parameter.pnu)
 
     def sign_off(self, job: DriveJob, pnu: int) -> str | None:
         """The reason that a job gives for writing a dangerous parameter; None if it gives none.

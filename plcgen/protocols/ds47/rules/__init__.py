@@ -20,6 +20,7 @@ RULES = Rules(
         parameters.access,
         parameters.repeated,
         parameters.dangerous,
+        parameters.unclassified,
         parameters.only_bytes,
         inputs.unconnected,
         parameters.unknown_types,

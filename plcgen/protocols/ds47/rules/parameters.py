@@ -111,9 +111,29 @@ def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
 
 def _danger(plan: DrivePlan, job: DriveJob, use: Use) -> str:
     """Why a write needs the sign-off that the job does not give."""
-    pnu = use.parameter.pnu
-    reason = job.drive.device.danger(pnu) if use.writes else ""
-    return reason if reason and plan.sign_off(job, pnu) is None else ""
+    reason = plan.danger(job, use)
+    return reason if reason and plan.sign_off(job, use.parameter.pnu) is None else ""
+
+
+def unclassified(plan: DrivePlan) -> Iterator[Diagnostic]:
+    """PG261: nobody has said what a write of this number does, and the job does not sign it off."""
+    told = set()
+    for job, use, _ in on_any_drive(plan, partial(_unclassified, plan)):
+        known = (job.shape, job.drive.device.key, use.parameter.pnu)
+        if known not in told:
+            told.add(known)
+            pnu = use.parameter.pnu
+            yield Diagnostic(
+                "PG261",
+                f"nobody has classified what writing {_title(use.parameter)}{of_drive(plan, job)} does",
+                parameter_span(plan, use),
+                Severity.WARNING,
+                help=f"look it up in the list manual; if it may be written, add allow: {{P{pnu}: why}} to the job",
+            )
+
+
+def _unclassified(plan: DrivePlan, job: DriveJob, use: Use) -> bool:
+    return plan.unclassified(job, use) and plan.sign_off(job, use.parameter.pnu) is None
 
 
 def only_bytes(plan: DrivePlan) -> Iterator[Diagnostic]:

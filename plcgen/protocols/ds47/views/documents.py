@@ -9,6 +9,7 @@ from typing import Any
 from plcgen.documents.members import plain
 from plcgen.documents.nouns import Contribution, DataBlock, FunctionBlock, GuidePart
 from plcgen.protocols.ds47 import guards, hardware
+from plcgen.protocols.ds47.effects import UNCLASSIFIED
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
 from plcgen.protocols.ds47.plan.values import literals_text
 from plcgen.protocols.ds47.views.calls import CONTROL_TITLES, calls, part
@@ -97,10 +98,10 @@ def _number(value: int, *, classic: bool) -> str:
 
 
 def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
-    danger = job.drive.device.danger(use.parameter.pnu)
+    danger = plan.danger(job, use) or (UNCLASSIFIED if plan.unclassified(job, use) else "")
     signed = plan.sign_off(job, use.parameter.pnu) if danger else None
     value = literals_text(use, plan.target)
-    notes = [f"{danger}; signed off: {signed}"] if danger else []
+    notes = [f"{danger}; signed off: {signed or 'no'}"] if danger else []
     notes += ["all other bits as they are read in front of the write"] if use.bits else []
     restores = plan.entry(job).on_error if use not in job.saving else None
     if restores is not None and restores.reason:

@@ -1,0 +1,143 @@
+"""What a write of a parameter does, by its number, its value and the family of the drive.
+
+``effects.toml`` has the classes of effect and the reasons, ``effects.tsv`` says which number has which, in which
+families, and how that is known: a line is ``reason, value, families, grade, source, numbers``, separated by tabs;
+numbers are ranges (``840,844-845``). Without a value the line is for every value. Without families it is for numbers
+that no list names. docs/devices.md explains how the table is made.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+UNCLASSIFIED = "nobody has classified what a write does"
+"""What is said of a number that is in no list."""
+
+TABLE = Path(__file__).with_suffix(".tsv")
+_WORDS = Path(__file__).with_suffix(".toml")
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """Why a write asks: ``kind`` is its class of effect, ``why`` the end of "needs a sign-off: ..", empty if it does
+    not ask.
+    """
+
+    key: str
+    kind: str
+    asks: bool
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """Drives with one list of parameters: ``devices`` are profiles, ``like`` the families whose numbers they share."""
+
+    title: str
+    devices: tuple[str, ...] = ()
+    like: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """What is said of a number: for one ``value`` or all (None), in some ``families``, and how it is known."""
+
+    reason: Reason
+    value: int | None
+    families: frozenset[str]
+    grade: str
+    source: str
+
+    def asks(self, values: Collection[object] | None) -> bool:
+        """Whether a write of these values needs a sign-off; None are values that nobody knows yet."""
+        return self.reason.asks and (self.value is None or values is None or self.value in values)
+
+
+@lru_cache(maxsize=1)
+def _words() -> Mapping[str, Any]:
+    return tomllib.loads(_WORDS.read_text("utf-8"))
+
+
+@lru_cache(maxsize=1)
+def reasons() -> Mapping[str, Reason]:
+    """Every reason by its key."""
+    words = _words()
+    return {
+        key: Reason(key, one["class"], words["classes"][one["class"]]["asks"], one.get("why", ""))
+        for key, one in words["reasons"].items()
+    }
+
+
+@lru_cache(maxsize=1)
+def families() -> Mapping[str, Family]:
+    """Every family by its key."""
+    return {
+        key: Family(one["title"], tuple(one.get("devices", ())), tuple(one.get("like", ())))
+        for key, one in _words()["families"].items()
+    }
+
+
+def sources() -> Mapping[str, str]:
+    """What the sources of the table are, by their keys."""
+    found: Mapping[str, str] = _words()["sources"]
+    return found
+
+
+@lru_cache(maxsize=1)
+def _table() -> Mapping[int, list[Effect]]:
+    """The effects of every number in the order of the table."""
+    found: dict[int, list[Effect]] = {}
+    for line in TABLE.read_text("utf-8").splitlines()[3:]:
+        reason, value, names, grade, source, numbers = line.split("\t")
+        effect = Effect(
+            reasons()[reason], int(value) if value else None, frozenset(filter(None, names.split(","))), grade, source
+        )
+        for text in numbers.split(","):
+            first, _, last = text.partition("-")
+            for number in range(int(first), int(last or first) + 1):
+                found.setdefault(number, []).append(effect)
+    return found
+
+
+def every() -> Iterator[tuple[int, tuple[Effect, ...]]]:
+    """All that the table says, by number."""
+    return ((number, tuple(found)) for number, found in sorted(_table().items()))
+
+
+def effects(pnu: int, *devices: str) -> tuple[Effect, ...]:
+    """What is said of a number, most relevant first: in the family of a device, else in those that are like it, else
+    in any; only then what its neighbours do. ``devices`` are a profile and the one that it is like.
+    """
+    said = _table().get(pnu, ())
+    listed = [effect for effect in said if effect.families]
+    own = next((key for device in devices for key, one in families().items() if device in one.devices), "")
+    for keys in ({own}, set(families()[own].like)) if own else ():
+        found = [effect for effect in listed if effect.families & keys]
+        if found:
+            return tuple(found)
+    return tuple(listed or said)
+
+
+def classified(pnu: int) -> bool:
+    """Whether anything is said of a number."""
+    return pnu in _table()
+
+
+def danger(pnu: int, devices: Collection[str], values: Collection[object] | None = None) -> str:
+    """Why a write of these values needs a sign-off, with its class of effect; empty if it needs none.
+
+    ``values`` are what is written, None if that is not known before the drive runs.
+    """
+    asking = [effect for effect in effects(pnu, *devices) if effect.asks(values)]
+    if not asking:
+        return ""
+    first = asking[0]
+    own = {key for key, one in families().items() if set(one.devices) & set(devices)}
+    names = [families()[key].title for key in families() if key in first.families and not own & first.families]
+    where = f", of {', '.join(names)}" if names else "" if first.families else ", as its neighbours"
+    return f"{first.reason.why} (effect: {first.reason.kind}{where})"
