@@ -134,7 +134,7 @@ plc: {name: a, family: s7-1500, toolchain: tia-v17}
 drives: {d: {device: DEVICE, hardware_id: 270}}
 jobs:
   look: {drive: d, read: [ramp, torque]}
-  set: {drive: d, write: {ramp: 2.0, torque: null}, allow: {P11: agreed}}
+  set: {drive: d, write: {ramp: 2.0, torque: null}, allow: {P11: ok, P20: ok}}
 """
 
 ACME = """\
@@ -148,8 +148,7 @@ scalar_elements: {read: 0, write: 1}
 strict_length: false
 error_table: profidrive
 parameters:
-  P20:
-    {name: ramp, title: Ramp time, type: FloatingPoint, unit: s, min: 0, max: 10, default: 1.5, array: 3, harmless: ok}
+  P20: {name: ramp, title: Ramp time, type: FloatingPoint, unit: s, min: 0, max: 10, default: 1.5, array: 3}
   p11: {name: torque, type: Integer16, min: -100, max: 100, source: chapter 4}
   R12: {name: speed, type: Unsigned16, access: r}
   P13: {name: save, type: Unsigned16, dangerous: wears the memory}
@@ -253,7 +252,6 @@ def test_a_profile_says_everything_that_a_shipped_one_says(tmp_path: Path) -> No
         0.0,
         10.0,
         1.5,
-        harmless="ok",
         source="Acme manual 12",
     )
     assert (device.parameters[11].source, device.parameters[12].access) == ("chapter 4", "r")
