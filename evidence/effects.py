@@ -22,8 +22,8 @@ RULES = Path(__file__).with_name("effects_rules.tsv")
 ROWS = Path(__file__).with_name("effects_rows.tsv")
 
 FAMILIES = {
-    "vector": "s120", "cu": "s120", "a_inf": "s120", "tb30": "s120", "tm15": "s120", "tm31": "s120", "tm41": "s120",
-    "tm120": "s120", "tm150": "s120", "g220": "g220", "g220_clean_power": "g220", "s210_fw5": "s210",
+    "vector": "s120", "cu": "s120", "a_inf": "infeed", "tb30": "tm", "tm15": "tm", "tm31": "tm", "tm41": "tm",
+    "tm120": "tm", "tm150": "tm", "g220": "g220", "g220_clean_power": "g220", "s210_fw5": "s210",
     "s210_fw6": "s210", "s200_pn": "s200", "s200_basic_pn": "s200",
 }  # fmt: skip
 """The family that has the parameters of a list."""

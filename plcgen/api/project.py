@@ -87,7 +87,7 @@ class GenerateResult:
         return ProgramSize(estimate(sources, target.dialect), target.cpu, self.idle_statements)
 
 
-STRICT = frozenset({"PG228"})
+STRICT = frozenset({"PG228", "PG261"})
 """Warnings that are errors if somebody wants to be sure: what a green run would otherwise rest on unseen."""
 
 

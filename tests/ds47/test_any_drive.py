@@ -105,14 +105,16 @@ def test_what_was_signed_off_is_listed_for_the_drive_in_which_it_is_dangerous(tm
 
 @pytest.mark.parametrize("different", [False, True], ids=["equal", "each defined in its own way"])
 def test_twenty_drives_are_one_problem(tmp_path: Path, different: bool) -> None:
-    """However many of them are dangerous, unlike a G120: the first one is named."""
+    """However many of them are dangerous, unlike an axis: the first one is named."""
     own = [f"parameters: {{P2901: {{type: Integer16, max: {20 + n if different else 20}}}}}" for n in range(20)]
-    drives = "".join(f"  s{n}: {{device: sinamics-s120, address: {300 + 8 * n}, {own[n]}}}\n" for n in range(20))
+    drives = "".join(
+        f"  s{n}: {{device: sinamics-s120, object_type: a_inf, address: {300 + 8 * n}, {own[n]}}}\n" for n in range(20)
+    )
     spec = tmp_path / "job.yaml"
     names = ", ".join(f"s{n}" for n in range(20))
     spec.write_text(
         "plc: {name: a, family: s7-300, toolchain: tia-v16}\n"
-        f"drives:\n  p: {{device: sinamics-g120, address: 256}}\n{drives}"
+        f"drives:\n  p: {{device: sinamics-s120, address: 256}}\n{drives}"
         f"jobs: {{j: {{drive: [p, {names}], write: [{{parameter: P1800, type: FloatingPoint, value: 4}}]}}}}\n",
         "utf-8",
     )

@@ -61,8 +61,8 @@ class Parameter:
     sign-off, or none, where its profile says so: ``Device.danger`` knows the numbers too. ``grades`` says how each
     stated fact is known. Limits, factory setting, number of indexes and names of values that were not read decide
     nothing: they stand in ``doubted`` alone. ``observed`` is a value that a drive had once; ``values`` are single
-    values by their names; ``scaling`` is the reference of the value in process data, p2000 for example; ``objects`` are the types of the
-    drive objects that have it, empty if nobody knows.
+    values by their names; ``scaling`` is the reference of the value in process data, p2000 for example;
+    ``objects`` are the types of the drive objects that have it, empty if nobody knows.
     """
 
     pnu: int
@@ -189,13 +189,13 @@ class Device:
             return "surely"
         return "" if kindred(own) & known.objects else "perhaps"
 
-    def danger(self, pnu: int, values: Collection[object] | None = None) -> str:
+    def danger(self, pnu: int, values: Collection[object] | None = None, object_type: str = "") -> str:
         """Why a write of these values needs a sign-off, whatever a spec says about the parameter; empty if it needs
         none. None are values that nobody knows yet: then any that would need one counts.
         """
         known = self.parameters.get(pnu)
         own = known.dangerous if known is not None else ""
-        return own or effects.danger(pnu, (self.key, self.like), values)
+        return own or effects.danger(pnu, (object_type, self.key, self.like), values)
 
     def classified(self, pnu: int) -> bool:
         """Whether anybody has said what a write of this number does."""

@@ -36,10 +36,12 @@ class Reason:
 
 @dataclass(frozen=True, slots=True)
 class Family:
-    """Drives with one list of parameters: ``devices`` are profiles, ``like`` the families whose numbers they share."""
+    """Drives with one list of parameters: ``called`` are profiles or types of drive objects, ``like`` the families
+    whose numbers they share.
+    """
 
     title: str
-    devices: tuple[str, ...] = ()
+    called: frozenset[str] = frozenset()
     like: tuple[str, ...] = ()
 
 
@@ -77,7 +79,7 @@ def reasons() -> Mapping[str, Reason]:
 def families() -> Mapping[str, Family]:
     """Every family by its key."""
     return {
-        key: Family(one["title"], tuple(one.get("devices", ())), tuple(one.get("like", ())))
+        key: Family(one["title"], frozenset(one.get("called", ())), tuple(one.get("like", ())))
         for key, one in _words()["families"].items()
     }
 
@@ -109,13 +111,17 @@ def every() -> Iterator[tuple[int, tuple[Effect, ...]]]:
     return ((number, tuple(found)) for number, found in sorted(_table().items()))
 
 
-def effects(pnu: int, *devices: str) -> tuple[Effect, ...]:
-    """What is said of a number, most relevant first: in the family of a device, else in those that are like it, else
-    in any; only then what its neighbours do. ``devices`` are a profile and the one that it is like.
+def _family(called: Collection[str]) -> str:
+    return next((key for key, one in families().items() if one.called & set(called)), "")
+
+
+def effects(pnu: int, called: Collection[str]) -> tuple[Effect, ...]:
+    """What is said of a number in the family of a drive, else in those that are like it, else in any; only then what
+    its neighbours do. ``called`` are its profile, the one that this is like, and the type of the drive object.
     """
     said = _table().get(pnu, ())
     listed = [effect for effect in said if effect.families]
-    own = next((key for device in devices for key, one in families().items() if device in one.devices), "")
+    own = _family(called)
     for keys in ({own}, set(families()[own].like)) if own else ():
         found = [effect for effect in listed if effect.families & keys]
         if found:
@@ -128,16 +134,17 @@ def classified(pnu: int) -> bool:
     return pnu in _table()
 
 
-def danger(pnu: int, devices: Collection[str], values: Collection[object] | None = None) -> str:
+def danger(pnu: int, called: Collection[str], values: Collection[object] | None = None) -> str:
     """Why a write of these values needs a sign-off, with its class of effect; empty if it needs none.
 
     ``values`` are what is written, None if that is not known before the drive runs.
     """
-    asking = [effect for effect in effects(pnu, *devices) if effect.asks(values)]
+    asking = [effect for effect in effects(pnu, called) if effect.asks(values)]
     if not asking:
         return ""
     first = asking[0]
-    own = {key for key, one in families().items() if set(one.devices) & set(devices)}
-    names = [families()[key].title for key in families() if key in first.families and not own & first.families]
+    own = _family(called)
+    near = {own, *families()[own].like} if own else set()
+    names = [one.title for key, one in families().items() if key in first.families and not near & first.families]
     where = f", of {', '.join(names)}" if names else "" if first.families else ", as its neighbours"
     return f"{first.reason.why} (effect: {first.reason.kind}{where})"

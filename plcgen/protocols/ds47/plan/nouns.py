@@ -486,9 +486,9 @@ class DrivePlan(Plan):
 
     def drive_kinds(self, shape: DriveJob) -> tuple[DriveJob, ...]:
         """One of the instances for each kind of drive: the first of those whose drives know the parameters alike."""
-        first: dict[tuple[str, int], DriveJob] = {}
+        first: dict[tuple[str, str, int], DriveJob] = {}
         for job in self.instances(shape):
-            first.setdefault((job.drive.device.key, id(job.own)), job)
+            first.setdefault((job.drive.device.key, job.drive.object_type, id(job.own)), job)
         return tuple(first.values())
 
     @cached_property
@@ -539,7 +539,7 @@ class DrivePlan(Plan):
         if not use.writes:
             return ""
         values = use.numbers if self.entry(job).on_error is None else None
-        return job.drive.device.danger(use.parameter.pnu, values)
+        return job.drive.device.danger(use.parameter.pnu, values, job.drive.object_type)
 
     def unclassified(self, job: DriveJob, use: Use) -> bool:
         """Whether nobody has said what it does, or that it needs no sign-off."""
