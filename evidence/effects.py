@@ -178,7 +178,7 @@ def _rows() -> dict[tuple[int, str], list[Entry]]:
     entries: dict[tuple[int, str], list[Entry]] = {}
     for line, (families, named, numbers, grade, source) in _lines(ROWS):
         reason, _, value = named.partition("=")
-        if reason not in effects.reasons() or source not in effects.sources():
+        if reason not in effects.reasons() or source not in effects.origins():
             raise ValueError(f"{ROWS.name} line {line}: unknown reason or source")
         for family in families.split(","):
             for first, last in ranges(numbers):

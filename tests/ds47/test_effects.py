@@ -137,7 +137,7 @@ def test_old_values_that_are_restored_may_be_any(tmp_path: Path) -> None:
     """A job that writes 0 and restores what was there may write 1."""
     write = "write: [{parameter: 'P2810[0]', type: Unsigned32, value: 0}], verify: readback"
     assert "PG219" not in codes(check(tmp_path, "sinamics-s120", write))
-    assert "PG219" in codes(check(tmp_path, "sinamics-s120", f"{write}, on_error: {{restore: running, reason: ok}}"))
+    assert "PG219" in codes(check(tmp_path, "sinamics-s120", f"{write}, on_error: {{restore: running, reason: tried}}"))
 
 
 def test_what_nobody_has_classified(tmp_path: Path) -> None:
@@ -146,7 +146,7 @@ def test_what_nobody_has_classified(tmp_path: Path) -> None:
     assert check(tmp_path, "sinamics-s210", write).ok
     assert codes(check(tmp_path, "sinamics-s210", write)) == ["PG261"]
     assert not api.check(tmp_path / "job.yaml", strict=True).ok
-    for job, signed in ((write, "no"), (f"{write}, allow: {{P6100: p. 812}}", "p. 812")):
+    for job, signed in ((write, "no"), (f"{write}, allow: {{P6100: list manual p. 812}}", "list manual p. 812")):
         assert check(tmp_path, "sinamics-s210", job).ok
         assert api.generate(tmp_path / "job.yaml", tmp_path / "out", force=True).ok
         line = f"nobody has classified what a write does; signed off: {signed} |"
@@ -154,7 +154,7 @@ def test_what_nobody_has_classified(tmp_path: Path) -> None:
         review = api.review(tmp_path / "job.yaml", tmp_path / "out")
         (entry,) = review.sheet.writes
         assert (entry.danger, entry.signed or "no") == ("nobody has classified what a write does", signed)
-    assert codes(check(tmp_path, "sinamics-s210", f"{write}, allow: {{P6100: p. 812}}")) == []
+    assert codes(check(tmp_path, "sinamics-s210", f"{write}, allow: {{P6100: list manual p. 812}}")) == []
 
 
 # --- The table -----------------------------------------------------------------------------------------------
@@ -184,7 +184,7 @@ def test_reasons_are_used_and_speak() -> None:
     used = {effect.reason.key for _, said in effects.every() for effect in said}
     assert used == set(effects.reasons())
     assert all(bool(one.why) == one.asks for one in effects.reasons().values())
-    assert {effect.source for _, said in effects.every() for effect in said} == set(effects.sources())
+    assert {effect.source for _, said in effects.every() for effect in said} == set(effects.origins())
 
 
 LISTED = [

@@ -84,7 +84,7 @@ def families() -> Mapping[str, Family]:
     }
 
 
-def sources() -> Mapping[str, str]:
+def origins() -> Mapping[str, str]:
     """What the sources of the table are, by their keys."""
     found: Mapping[str, str] = _words()["sources"]
     return found
