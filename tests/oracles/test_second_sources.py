@@ -22,7 +22,7 @@ drives:
   belt: {device: sinamics-dcm, hardware_id: 290}
 jobs:
   read_axis: {drive: axis, read: ["r948[0]"]}
-  connect: {drive: axis, write: {"P2112[0]": r899.2}}
+  connect: {drive: axis, write: {"P2112[0]": r899.2}, allow: {P2112: told by the axis}}
   read_belt: {drive: belt, read: [P50303, P50301]}
 """
 

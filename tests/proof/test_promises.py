@@ -230,14 +230,14 @@ drives:
   one:
     device: sinamics-g120
     hardware_id: 270
-    parameters: {P3110: {type: Unsigned16, array: 150}, P3120: {type: FloatingPoint, array: 70}}
+    parameters: {P3140: {type: Unsigned16, array: 150}, P3120: {type: FloatingPoint, array: 70}}
 jobs:
-  set: {drive: one, write: {"P3110[0..149]": 1, "P3120[0..69]": 1.5}}
+  set: {drive: one, write: {"P3140[0..149]": 1, "P3120[0..69]": 1.5}}
 """
 
 
 def test_a_middle_telegram_may_be_the_only_one_with_several_parameters(tmp_path: Path) -> None:
-    """150 words and 70 numbers: two words of P3110 do not fit the first record, and go with the first of P3120."""
+    """150 words and 70 numbers: two words of P3140 do not fit the first record, and go with the first of P3120."""
     project, folder = generated(tmp_path, MIDDLE)
     (plan,) = project.plans
     assert [len(telegram.parts) for telegram in plan.shapes[0].telegrams] == [1, 2, 1]
