@@ -7,7 +7,7 @@ READY := $(VENV)/.ready
 unexport PYTHONDONTWRITEBYTECODE
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
-.PHONY: demo test fast coverage lint hostile bench engine mutate deletions beliefs examples example-diff docs site pictures lock clean
+.PHONY: demo test fast coverage lint hostile bench engine mutate deletions beliefs damages examples example-diff docs site pictures lock clean
 
 demo: $(READY)
 	$(BIN)/plcgen demo .demo
@@ -50,6 +50,10 @@ deletions: $(READY)
 # Facts of the source, broken one at a time.
 beliefs: $(READY)
 	$(BIN)/python -m mutation.beliefs
+
+# Every damage to what people read: titles, comments, guides, tables, manifest.
+damages: $(READY)
+	PLCGEN_DAMAGES=1 $(BIN)/python -m pytest -n auto -q tests/proof/test_damages.py
 
 # Complete where the folder expected/ exists, else only the manifest with its hashes.
 examples: $(READY)

@@ -42,7 +42,7 @@ def _steps(seen: Overview) -> list[dict[str, Any]]:
     found = [
         _step("types", "type", seen.types),
         _step("tag table", "tags", list(seen.tags)),
-        _step("data blocks", "block", seen.data),
+        _step("data blocks", "block", seen.documented),
         _step("function blocks", "block", seen.programs),
         _step("instance data blocks", "block", [call.instance for call in seen.calls]),
         _step("example of the main program", "block", ["Main"], "Main"),

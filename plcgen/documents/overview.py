@@ -14,13 +14,15 @@ from plcgen.project.nouns import BlockRef
 class Overview:
     """All blocks of a project by group, in import order.
 
-    ``types``, ``data`` and ``programs`` are names, ``watched`` those of the programs with a watch table; ``tags``
+    ``types``, ``data`` and ``programs`` are names, ``documented`` those of the data blocks that have a document, as
+    instances of library blocks make themselves; ``watched`` are those of the programs with a watch table; ``tags``
     the rows of each tag table that has any; ``symbols`` what an instance DB is in a symbol table; ``notes`` why the
     documents of function blocks are experimental, with their names; ``sheets`` the parts of the layout sheet.
     """
 
     types: list[str] = field(default_factory=list)
     data: list[str] = field(default_factory=list)
+    documented: list[str] = field(default_factory=list)
     programs: list[str] = field(default_factory=list)
     watched: list[str] = field(default_factory=list)
     calls: list[Call] = field(default_factory=list)
@@ -35,6 +37,8 @@ class Overview:
         self.data.append(made.block.name)
         if isinstance(made, LibraryInstance):
             self.symbols[made.block] = made.symbol
+        else:
+            self.documented.append(made.block.name)
 
     def program(self, made: FunctionBlock, call: Call | None) -> None:
         """Remember a function block and the call of its instance; its buffers are remembered by :meth:`stored`."""

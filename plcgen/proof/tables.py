@@ -6,7 +6,6 @@ import csv
 import hashlib
 import json
 import re
-import struct
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -17,15 +16,13 @@ from plcgen.input.files import read_bounded
 from plcgen.input.workbook import read_sheets
 from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check, file_check
-from plcgen.proof.folder import Folder, table_rows
+from plcgen.proof.folder import Folder
 from plcgen.proof.headers import MAIN
 from plcgen.proof.making import attempted
 from plcgen.resources import templates_dir
 from plcgen.s7.address import Address
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.s7.layout import Layout, layout_block, locate
-from plcgen.s7.spelling import type_text
-from plcgen.s7.types import Elementary
 from plcgen.simaticml.reading.documents import read_tag_table, read_watch_table
 
 MAX_BYTES = 16 * 1024 * 1024
@@ -37,7 +34,6 @@ _QUOTED = re.compile(r'"([^"\n]+)"')
 _ITEM = re.compile(r"^\d+\. `+ ?(.+?) ?`+$", re.MULTILINE)
 _PLACE = re.compile(r'"([^"]+)"(?:\.(.+))?')
 _LITERAL = re.compile(r"(?:(?:[A-Z]+#)?16#([0-9A-F]+)|(?:[A-Z]+#)?(-?\d+(?:\.\d+)?))?")
-_SHEET = re.compile(r'(?:DB(\d+) )?"(.+)", (\d+) bytes')
 _ADDRESS = re.compile(r"DB(\d+)\.DB[XBWDL](\d+)(?:\.\d)?")
 
 Look = Callable[[], Iterator[str]]
@@ -93,7 +89,6 @@ class _Tables:
             yield "tags.csv", partial(self.tags, "tags.csv", self.csv_flags)
             yield "tags.xlsx", partial(self.tags, "tags.xlsx", self.xlsx_flags)
         yield "IMPORT.md", partial(self.order, "IMPORT.md")
-        yield "LAYOUT.md", self.sheet
         for path in sorted(self.folder.path.glob("watch/*.csv")):
             yield f"watch/{path.name}", partial(self.watch, path.stem)
         if self.project.target.xml_version is not None:
@@ -271,48 +266,6 @@ class _Tables:
         if hashlib.sha256(shared.encode()).hexdigest() != SCRIPT or self.text("xml/import.ps1") != made:
             yield "is not the script of this version of plcgen"
 
-    # ---- layout sheet
-
-    def sheet(self) -> Iterator[str]:
-        """Every row of the layout sheet against the layout of its block."""
-        seen = set()
-        buffers = [buffer for job in self.project.jobs for one in job.telegrams for buffer in one.buffers]
-        starts = {buffer.home.name: buffer.image for buffer in buffers}
-        for part in self.text("LAYOUT.md").split("\n### ")[1:]:
-            head = _SHEET.match(part)
-            block = self.folder.text.get(head[2].replace("\\", "").upper()) if head else None
-            if head is None or block is None:
-                yield f"{part.splitlines()[0]} is not a block"
-                continue
-            seen.add(block.name)
-            number = self.numbers.get(block.name)
-            layout = self.layout(block)
-            if head[1] and int(head[1]) != number:
-                yield f"{block.name} is DB{head[1]}, the plan has DB{number}"
-            if int(head[3]) not in {layout.size, layout.size - 1}:  # an odd one is filled up
-                yield f"{block.name} has {head[3]} bytes, its source {layout.size}"
-            rows = [row for row in table_rows(part) if row and row[0][:1].isdigit()]
-            entries = {entry.path.replace('"', ""): entry for entry in layout.entries}
-            for offset, address, name, type_, size, start, *_ in rows:
-                plain = name.replace("\\", "")
-                entry = entries.get(plain) or entries.get(f"telegram.{plain}")
-                if entry is None:
-                    yield f"{block.name} has no {name}"
-                    continue
-                right = (str(entry.byte), type_text(entry.type).upper(), str((entry.size + 7) // 8))
-                if (offset, type_.upper(), size) != right:
-                    yield f"{block.name}.{name} lies at {right[0]}, {right[1]}, {right[2]} bytes"
-                held = starts.get(block.name, b"")[entry.byte : entry.byte + entry.size // 8]
-                if held and isinstance(entry.type, Elementary) and _number(start, len(held)) not in {None, held}:
-                    yield f"{block.name}.{name} starts with {held.hex(' ').upper()}"
-                said = _ADDRESS.fullmatch(address)
-                if address and (said is None or (int(said[1]), int(said[2])) != (number, entry.byte)):
-                    yield f"{block.name}.{name} is not at {address}"
-            if len(rows) < sum(entry.depth == 0 for entry in layout.entries):
-                yield f"{block.name} has members that are not listed"
-        if missing := {buffer.home.name for buffer in buffers} - seen:
-            yield f"{len(missing)} buffers are missing"
-
     # ---- watch tables
 
     def watch(self, stem: str) -> Iterator[str]:
@@ -361,17 +314,6 @@ class _Tables:
                 yield f"{name} is set to {modify}, which has no start value"
             if command and modify != "TRUE":
                 yield f"{name} is set to {modify or 'nothing'}"
-
-
-def _number(text: str, size: int) -> bytes | None:
-    """Bytes of a number as a sheet shows it, zeros for nothing; None if it is something else."""
-    found = _LITERAL.fullmatch(text)
-    if found is None:
-        return None
-    if found[2] and "." in found[2]:
-        return struct.pack(">f", float(found[2])) if size == 4 else None
-    value = int(found[1], 16) if found[1] else int(found[2] or 0)
-    return (value & (1 << 8 * size) - 1).to_bytes(size, "big")
 
 
 def _nothing(text: str) -> bool:

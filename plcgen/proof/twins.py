@@ -1,8 +1,9 @@
-"""Text source and SimaticML document of one block: the same interface, the same tokens of code."""
+"""Text source and SimaticML document of one block: the same interface, the same tokens of code, the same comments."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Iterator
 from itertools import zip_longest
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError
@@ -10,6 +11,8 @@ from plcgen.project.nouns import Project
 from plcgen.project.ownership import is_owned
 from plcgen.proof.checks import Check, file_check
 from plcgen.proof.folder import Folder
+from plcgen.proof.wording.envelopes import said_in_spec
+from plcgen.proof.wording.model import stated_facts
 from plcgen.s7.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.image import image
 from plcgen.s7.initializers import flatten, parse_initializer
@@ -19,6 +22,9 @@ from plcgen.s7.types import DataType, Member, inner_members
 from plcgen.scl.lexer import KEYWORDS, Tokens, tokenize
 
 _CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
+_REMARK = re.compile(r"(?://|\bREGION\b)(.*)$", re.MULTILINE)
+"""Comments and titles of regions, which are no tokens."""
+Same = Callable[[str, str], bool]
 _SHOWN = 30
 MOST_VALUES = 100_000
 """Longest list of start values that is written out."""
@@ -29,7 +35,7 @@ def check_twins(project: Project, folder: Folder) -> Iterator[Check]:
     if project.target.xml_version is None:
         return
     problems: list[Diagnostic] = []
-    english = any(language.lower().startswith("en") for language in project.languages)
+    same = _words_of(project)
     tokens = blocks = 0
     for name, block in folder.text.items():
         if block.instance_of and block.instance_of.upper() not in folder.text:
@@ -42,7 +48,7 @@ def check_twins(project: Project, folder: Folder) -> Iterator[Check]:
             message = f'{block.kind} "{block.name}" is missing from the SimaticML documents'
             problems.append(Diagnostic("PG608", message, folder.place(name), help="run plcgen generate"))
             continue
-        found, count = difference(block, other, folder.text, folder.xml, english=english)
+        found, count = difference(block, other, folder.text, folder.xml, same=same)
         tokens += count
         if found:
             message = f'{block.kind} "{block.name}": {found}'
@@ -57,32 +63,43 @@ def difference(
     known: dict[str, Block],
     documents: dict[str, Block] | None = None,
     *,
-    english: bool = True,
+    same: Same = str.__eq__,
 ) -> tuple[str, int]:
     """What differs between the two spellings of a block (empty if nothing), and the tokens compared.
 
-    ``known`` and ``documents`` are all blocks, from the text sources and from the documents. Documents of a project
-    without ``english`` leave out what nobody translated.
+    ``known`` and ``documents`` are all blocks, from the text sources and from the documents; ``same`` says whether two
+    comments are one.
     """
     if (text.kind, text.instance_of) != (document.kind, document.instance_of):
         return "the document is another kind of block", 0
     if text.kind not in _CODE and not text.instance_of:
-        return _stored(text, document, known, documents or known), 0
+        said = _stored(text, document, known, documents or known)
+        return said or _spoken(text.members, document.members, same=same), 0
     words = ((text.title, document.title), (text.comment, document.comment))
-    if any(not _same_words(one, two, english=english) for one, two in words):
+    if any(not same(one.strip(), two.strip()) for one, two in words):
         return "title or comment differ", 0
     declared = known.get((text.instance_of or "").upper(), text)
     for kind in SectionKind:
         if text.instance_of and kind in {SectionKind.TEMP, SectionKind.CONSTANT, SectionKind.RETURN}:
             continue
-        problem = _members(declared.section(kind), document.section(kind), kind.value, english=english)
+        problem = _members(declared.section(kind), document.section(kind), kind.value, same=same)
         if problem:
             return problem, 0
     if text.code is None:
         return "", 0
     if document.code is None:
         return "the document has no SCL", 0
-    return _tokens(tokenize(text.code, "text"), tokenize(document.code, "document"))
+    found, count = _tokens(tokenize(text.code, "text"), tokenize(document.code, "document"))
+    return found or _remarks(text.code, document.code), count
+
+
+def _remarks(text: str, document: str) -> str:
+    """The first comment of two codes with the same tokens that differs."""
+    remarks = ([one.strip() for one in _REMARK.findall(code)] for code in (text, document))
+    for one, two in zip_longest(*remarks, fillvalue=""):
+        if one != two:
+            return f'the code says "{one}", the document "{two}"'
+    return ""
 
 
 def _stored(text: Block, document: Block, known: dict[str, Block], documents: dict[str, Block]) -> str:
@@ -102,23 +119,55 @@ def _stored(text: Block, document: Block, known: dict[str, Block], documents: di
     return "" if at is None else f"byte {at} has another start value in the document"
 
 
+def _spoken(first: tuple[Member, ...], second: tuple[Member, ...], *, same: Same) -> str:
+    """The first member of two lists of the same places whose comments differ."""
+    for one, two in zip(first, second, strict=False):
+        silent = not (one.comment and two.comment) and not stated_facts(
+            one.comment + two.comment
+        )  # only one has words for it
+        if not silent and not same(one.comment.strip(), two.comment.strip()):
+            return f'{one.name} says "{one.comment}", in the document "{two.comment}"'
+        if said := _spoken(inner_members(one.type), inner_members(two.type), same=same):
+            return said
+    return ""
+
+
 def _plain(type_: DataType) -> object:
     """A type without the members of a structure, whose places say enough."""
     return str(getattr(type_, "bounds", "")) if inner_members(type_) else type_
 
 
-def _same_words(text: str, document: str, *, english: bool) -> bool:
-    return text.strip() == document.strip() or not (english or document)
+def _words_of(project: Project) -> Same:
+    """Whether a comment of a source and one of a document are one: the same, or the spec's in another language.
+
+    Documents of a project without English leave out what nobody translated.
+    """
+    english = any(language.lower().startswith("en") for language in project.languages)
+    said = {text: min(one.values()) for one in said_in_spec(project) for text in one.values() if text}
+
+    def meant(text: str) -> list[str]:
+        found = []
+        for line in text.strip().split("\n"):
+            own = next((one for one in sorted(said, key=len, reverse=True) if line.endswith(one)), "")
+            found.append(line.removesuffix(own) + said.get(own, ""))
+        return found
+
+    def same(text: str, document: str) -> bool:
+        if text.strip() == document.strip() or not (english or document):
+            return True
+        return bool(said) and meant(text) == meant(document)
+
+    return same
 
 
-def _members(first: tuple[Member, ...], second: tuple[Member, ...], where: str, *, english: bool) -> str:
+def _members(first: tuple[Member, ...], second: tuple[Member, ...], where: str, *, same: Same) -> str:
     names = [m.name for m in first], [m.name for m in second]
     if names[0] != names[1]:
         return f"{where} has other members in the document"
     for one, two in zip(first, second, strict=True):
-        if _facts(one) != _facts(two) or not _same_words(one.comment, two.comment, english=english):
+        if _facts(one) != _facts(two) or not same(one.comment.strip(), two.comment.strip()):
             return f"{where} {one.name} is declared differently in the document"
-        inner = _members(inner_members(one.type), inner_members(two.type), one.name, english=english)
+        inner = _members(inner_members(one.type), inner_members(two.type), one.name, same=same)
         if inner:
             return inner
     return ""

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import shutil
 from pathlib import Path
 
 import pytest
 from projects import ROOT, generated_example
+from proof.damaging import damaged, findings
 
 from plcgen import api
-from plcgen.project.opening import open_spec
-from plcgen.proof.checks import Outcome
-from plcgen.proof.delivery import delivered
-from plcgen.proof.folder import read_folder
-from plcgen.proof.layouts import check_layout
 
 TIA, NEW, V5 = "s7-300_6ra80_dp_tia", "s7-1500_g120_pn", "s7-300_mm440_dp"
 MAIN_TEXT, JOB = "scl/Main.scl", "scl/SetRamps.scl"
@@ -208,26 +202,6 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
-def signed(folder: Path, file: str) -> None:
-    """The manifest with the hash of the file as it is now."""
-    manifest = json.loads((folder / "manifest.json").read_text("utf-8"))
-    for entry in manifest["files"]:
-        if entry["path"] == file:
-            entry["sha256"] = hashlib.sha256((folder / file).read_bytes()).hexdigest()
-    (folder / "manifest.json").write_text(json.dumps(manifest), "utf-8")
-
-
-def findings(example: str, folder: Path) -> list[str]:
-    """Errors of everything that reads the files without running them."""
-    project = open_spec(ROOT / "specs" / f"{example}.yaml").sound()
-    files = read_folder(folder, project.target)
-    proofs = [plan.protocol.proof(plan) for plan in project.plans]
-    checks = [*delivered(project, files)]
-    checks += [check_layout(project, files, laid) for proof in proofs for laid in proof.layouts()]
-    checks += [check for proof in proofs for check in proof.telegrams(files)]
-    return [check.verdict for check in checks if check.outcome is Outcome.ERROR]
-
-
 @pytest.mark.parametrize("example", [TIA, NEW, V5])
 def test_nothing_is_wrong_without_damage(example: str, folders: Path) -> None:
     """The examples as they are generated."""
@@ -239,19 +213,7 @@ def test_damage_is_noticed(what: str, folders: Path) -> None:
     """By what is written in the files: their hashes are right. What only running shows is run."""
     example, file, old, new = CORPUS[what]
     folder = folders / example
-    path = folder / file
-    before = path.read_bytes()
-    text = before.decode("cp1252" if example == V5 else "utf-8")
-    crlf = "\r\n" in text
-    text = text.replace("\r\n", "\n")
-    assert old in text, file
-    text = text.replace(old, new, 1)
-    try:
-        path.write_bytes((text.replace("\n", "\r\n") if crlf else text).encode("cp1252" if example == V5 else "utf-8"))
-        signed(folder, file)
+    with damaged(folder, [(file, old, new)], "cp1252" if example == V5 else "utf-8"):
         if not findings(example, folder):
             result = api.verify(ROOT / "specs" / f"{example}.yaml", folder, faults="none")
             assert not result.ok
-    finally:
-        path.write_bytes(before)
-        signed(folder, file)

@@ -6,29 +6,23 @@ telegram and in the CPU.
 
 from __future__ import annotations
 
-import math
-import re
 from collections.abc import Iterator
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.diagnostics import Diagnostic, DiagnosticError
 from plcgen.diagnostics.counting import quantity
-from plcgen.input.files import read_bounded
 from plcgen.proof.checks import Check, Outcome
-from plcgen.proof.folder import Folder, table_rows
+from plcgen.proof.folder import Folder
 from plcgen.proof.rig import Spot
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedRecipe, Use
+from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, PlannedRecipe
 from plcgen.protocols.ds47.proof import clocked, listed
 from plcgen.protocols.ds47.proof.recorded import NUMBER, recipe_signals
 from plcgen.protocols.ds47.proof.restored import CAUSE
 from plcgen.protocols.ds47.proof.stepped import FAILED
-from plcgen.protocols.ds47.wire import formats
 from plcgen.s7.image import image
 from plcgen.s7.layout import Layout, layout_block, locate
 from plcgen.s7.literals import LiteralError
 from plcgen.s7.types import Elementary
 
-MAX_BYTES = 16 * 1024 * 1024
-"""What divides the cells of a table."""
 SIGNALS = {"execute": "BOOL", "busy": "BOOL", "done": "BOOL", "error": "BOOL", "status": "WORD"}
 
 
@@ -86,55 +80,6 @@ def _verdict(name: str, figures: str, problems: list[str], good: str, folder: Fo
         found = Diagnostic("PG614", f'"{name}": {problems[0]}', folder.place(name))
         return Check("commands", f'"{name}"', "", Outcome.ERROR, problems[0], found)
     return Check("commands", f'"{name}"', figures, Outcome.OK, good)
-
-
-def check_guide(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
-    """What IMPORT.md says that the blocks write: every value of the spec, and no other."""
-    wanted = {(job.block.name, job.drive.key, use.label): use for job in plan.jobs for use in job.uses if use.writes}
-    path = folder.path / "IMPORT.md"
-    try:
-        text = read_bounded(path, MAX_BYTES).decode("utf-8", "replace").replace("\r\n", "\n")
-    except OSError:
-        return  # told as missing
-    below = text.partition("\n## What these blocks write\n")[2]
-    rows = list(table_rows(below))[1:]
-    found = {(row[0], row[1], row[2]): row[4] for row in rows if len(row) == 6}
-    problems = [f"{key[0]} writes {key[2]} of {key[1]}: it is not listed" for key in wanted if key not in found]
-    problems += [f"{key[0]} does not write {key[2]} of {key[1]}" for key in found if key not in wanted]
-    problems += [
-        f"{key[0]} writes {key[2]} = {value}, the spec says otherwise"
-        for key, value in found.items()
-        if key in wanted and not _said(wanted[key], value)
-    ]
-    if problems:
-        problem = Diagnostic("PG614", problems[0], Span(str(path)))
-        yield Check("guide", "IMPORT.md", "", Outcome.ERROR, problems[0], problem)
-    elif wanted:
-        yield Check("guide", "IMPORT.md", quantity(len(wanted), "value"), Outcome.OK, "lists what is written")
-
-
-def _said(use: Use, text: str) -> bool:
-    """Whether a text names the value of a use; values that are no single number are not compared."""
-    if use.recorded:
-        return text.startswith("record of ")
-    if use.bits:
-        return text == "; ".join(
-            f"bit {one.bit} = {any(one.data):d}"
-            if one.constant
-            else f"bit {one.bit} = input {one.member}, {any(one.data):d} if nothing is connected"
-            for one in use.bits
-        )
-    if text.startswith("input, ") == use.constant:
-        return False
-    if use.count != 1 or use.format.is_string or use.sources:
-        return True
-    if digits := "".join(re.findall(r"16#([0-9A-F]+)", text)):
-        return use.data.hex().upper().startswith(digits)  # a long one is cut short
-    value = formats.unpack_values(use.format, 1, use.data)[0]
-    number = re.search(r"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?", text)
-    if number is None or isinstance(value, str | bytes | bool):
-        return True
-    return math.isclose(float(number[0]), value, rel_tol=1e-6)
 
 
 def _members(layout: Layout) -> dict[str, set[str]]:

@@ -27,7 +27,7 @@ from plcgen.proof.sharing import Sharing
 from plcgen.proof.suite import CodeBlock, LaidOut, Procedure, Progress, Reads
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.protocols.ds47.proof import stimulus
-from plcgen.protocols.ds47.proof.commands import check_commands, check_guide
+from plcgen.protocols.ds47.proof.commands import check_commands
 from plcgen.protocols.ds47.proof.conduct import JobConduct
 from plcgen.protocols.ds47.proof.dissected import dissected_checks
 from plcgen.protocols.ds47.proof.engine.checks import engine_checks
@@ -46,6 +46,7 @@ from plcgen.protocols.ds47.proof.second import fact_checks, second_checks
 from plcgen.protocols.ds47.proof.sections import PlantSection
 from plcgen.protocols.ds47.proof.stated.checks import stated_checks
 from plcgen.protocols.ds47.proof.together import left_out_together, procedures
+from plcgen.protocols.ds47.proof.wording import DriveWording
 from plcgen.protocols.ds47.sim.drive import Drive
 from plcgen.sources.generated import generated_sources
 
@@ -87,7 +88,6 @@ class DriveProof:
         yield from check_telegrams(self.plan, folder)
         place, plan = (lambda: Span(str(folder.path))), self.plan
         yield Pending("commands", "commands", place, lambda: check_commands(plan, folder))
-        yield Pending("guide", "guide", place, lambda: check_guide(plan, folder))
 
     def exchanges(self, folder: Folder, partner: Path | None, progress: Progress | None) -> CheckGroup | None:
         """Every telegram against the simulated drive, or the one in a drive file."""
@@ -116,6 +116,10 @@ class DriveProof:
         if self.plan.jobs:
             loaded = self.plan.loaded
             yield from stated_checks(loaded, program, self.constants(), loaded.spec.plc.family)
+
+    def wording(self) -> DriveWording:
+        """What the documents say."""
+        return DriveWording(self.plan)
 
     def ledger(self) -> Iterator[Assumption]:
         """What documents say about devices, telegrams and parameters."""

@@ -34,6 +34,7 @@ from plcgen.protocols.ppi.proof.scenario import POLL_MS, PpiScenario, in_time
 from plcgen.protocols.ppi.proof.stated.checks import stated_checks
 from plcgen.protocols.ppi.proof.telegrams import check_telegrams
 from plcgen.protocols.ppi.proof.together import ROW, procedures
+from plcgen.protocols.ppi.proof.wording import PpiWording
 from plcgen.protocols.ppi.proof.words import CLOCK_END, State
 from plcgen.protocols.ppi.wire.areas import Function
 
@@ -86,6 +87,10 @@ class PpiProof:
     def oracles(self, folder: Folder, *, dissector: bool) -> Iterator[Check]:
         """Nobody else is asked."""
         return iter(())
+
+    def wording(self) -> PpiWording:
+        """What the documents say."""
+        return PpiWording(self.plan)
 
     def ledger(self) -> Iterator[Assumption]:
         """What documents and recordings say about line, stations and modules."""

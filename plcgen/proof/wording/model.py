@@ -1,0 +1,147 @@
+"""What a protocol states about the texts of its documents, and how a text is held against such a statement."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from plcgen.project.nouns import PlannedJob
+from plcgen.s7.blocks import Block
+
+_MARKS = ("(*", "*)", "//", "/*", "*/", "'", "{", "}", ";", '"')
+"""What a title must not contain: it would begin or end something else."""
+_FACT = re.compile(
+    r"(?:[A-Za-z]+#)?16#[0-9A-Fa-fx]+|\b[0-9A-F]{2,8}h\b|\b[rP][0-9]{1,5}(?:\[[0-9.]+\])?(?:\.[0-9]+)?"
+    r"|\[[^\[\]]+\]|[0-9]+(?:\.[0-9]+)?"
+)
+"""What a text states in any language: numbers, parameters, units."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """How a watch table shows a place: its display format, and its modify value, None for the start value on disk."""
+
+    format: str
+    modify: str | None = ""
+
+
+@dataclass(frozen=True, slots=True)
+class GuideLine:
+    """A line that a document must have; ``accepts`` says whether another spelling states the same."""
+
+    text: str
+    accepts: Callable[[str], bool] | None = None
+
+    def agrees(self, text: str) -> bool:
+        """Whether a line of a document says this."""
+        return unmarked(text) == unmarked(self.text) or (self.accepts is not None and self.accepts(unmarked(text)))
+
+
+class Wording(Protocol):
+    """What a protocol states of the documents of one plan. Of a block that is not its own, it states nothing: None."""
+
+    @property
+    def family(self) -> str:
+        """Family of its blocks."""
+
+    @property
+    def system_blocks(self) -> Sequence[str]:
+        """Blocks of the CPU that STEP 7 V5 must have in the block folder."""
+
+    @property
+    def note(self) -> str:
+        """Why the documents of its function blocks are experimental."""
+
+    @property
+    def jobs_called(self) -> str:
+        """What its jobs are called, if they are the only ones."""
+
+    @property
+    def symbols(self) -> Mapping[str, str]:
+        """Symbols of blocks that come with a module, with their comments."""
+
+    @property
+    def tag_table(self) -> str:
+        """Name of its tag table."""
+
+    def member(self, block: Block, path: Sequence[str], offset: int | None) -> frozenset[str] | None:
+        """What the member at a path may say of itself; ``offset`` in bytes, None if there is none."""
+
+    def assigned(self, block: Block, path: str) -> frozenset[str] | None:
+        """What may stand behind the start value of a place, below BEGIN of a data block."""
+
+    def title(self, block: Block) -> frozenset[str] | None:
+        """What the title of a block may be."""
+
+    def called(self, job: PlannedJob) -> frozenset[str] | None:
+        """What a job may be called where it is commanded; None if it is another protocol's."""
+
+    def spoken(self, block: Block) -> Mapping[str, str] | None:
+        """Comment of the document of a type or data block, by language of the spec; its title is empty."""
+
+    def head(self, block: Block) -> Iterator[str]:
+        """What is wrong with the lines at the head of a block."""
+
+    def remark(self, block: Block, code: str, text: str) -> bool:
+        """Whether a comment behind some code states what is so; asked only where it has numbers or parameters."""
+
+    def retains(self, block: Block) -> bool:
+        """Whether a data block keeps its values without power."""
+
+    def starts(self, block: Block) -> Mapping[str, bytes | str] | None:
+        """Start values of the pins of a function block, as bytes or as a literal; other pins have none."""
+
+    def instructions(self) -> Mapping[str, str]:
+        """Instructions of the TIA Portal that its blocks declare, with the version of each."""
+
+    def version(self, block: Block) -> str | None:
+        """Version in the header of a block."""
+
+    def sheet(self, block: Block) -> list[frozenset[str]] | None:
+        """Lines above the tables of a block in the layout sheet, each with all that it may be."""
+
+    def sheet_title(self, block: Block) -> str:
+        """What it is called there if it has no title."""
+
+    def shown(self, block: Block, path: Sequence[str], type_: str) -> Shown | None:
+        """How a watch table shows a member of a type in capitals."""
+
+    def guide(self) -> tuple[list[GuideLine], list[GuideLine]]:
+        """Lines of the import guide in front of and behind the order."""
+
+    def manifest(self) -> Mapping[str, object]:
+        """What the manifest says of the plan."""
+
+
+def unmarked(text: str) -> str:
+    """A text with single blanks, without the marks that Markdown puts in front of others."""
+    return " ".join(text.replace("\\", "").split())
+
+
+def untitled(text: str) -> str:
+    """A text as a title has it."""
+    for mark in _MARKS:
+        text = text.replace(mark, " ".join(mark) if len(mark) > 1 else " ")
+    return unmarked(text)
+
+
+def stated_facts(text: str) -> Counter[str]:
+    """Numbers, parameters and units of a text."""
+    return Counter(_FACT.findall(text))
+
+
+def agrees(found: str, stated: frozenset[str], *, english: bool, title: bool = False) -> bool:
+    """Whether a text is one of those that are stated.
+
+    In another language than English, it has the same numbers, parameters and units as one of them.
+    """
+    tidy = untitled if title else unmarked
+    said = tidy(found)
+    if said in {tidy(text) for text in stated}:
+        return True
+    if english or not said:
+        return False
+    return any(text and stated_facts(tidy(text)) <= stated_facts(said) for text in stated)
