@@ -122,9 +122,8 @@ def _stored(text: Block, document: Block, known: dict[str, Block], documents: di
 def _spoken(first: tuple[Member, ...], second: tuple[Member, ...], *, same: Same) -> str:
     """The first member of two lists of the same places whose comments differ."""
     for one, two in zip(first, second, strict=False):
-        silent = not (one.comment and two.comment) and not stated_facts(
-            one.comment + two.comment
-        )  # only one has words for it
+        alone = not (one.comment and two.comment)  # only the source or only the document has words for it
+        silent = alone and not stated_facts(one.comment + two.comment)
         if not silent and not same(one.comment.strip(), two.comment.strip()):
             return f'{one.name} says "{one.comment}", in the document "{two.comment}"'
         if said := _spoken(inner_members(one.type), inner_members(two.type), same=same):

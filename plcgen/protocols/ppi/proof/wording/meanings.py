@@ -51,7 +51,7 @@ _LABEL = re.compile(r"(?:.* \()?(?P<area>SYS|SM|AI|AQ|HC|[SCTIQMV])[BWDX]?(?P<nu
 
 
 @dataclass(frozen=True, slots=True)
-class AskedItem:
+class RequestedItem:
     """An item of a request: where it begins in the telegram, area, first bit (or element), bytes of its value."""
 
     at: int
@@ -61,18 +61,18 @@ class AskedItem:
     octets: int
 
 
-def asked_items(request: bytes) -> list[AskedItem]:
+def asked_items(request: bytes) -> list[RequestedItem]:
     """The items of a read or a write."""
     found = []
     for number in range(request[SERVICE + 1] if request[SERVICE] in {READ, WRITE} else 0):
         at = ITEMS + ITEM * number
         size, count = request[at + 3], int.from_bytes(request[at + 4 : at + 6])
         first = int.from_bytes(request[at + 9 : at + 12])
-        found.append(AskedItem(at, AREAS.get(request[at + 8], "?"), size, first, count * _OCTETS.get(size, 1)))
+        found.append(RequestedItem(at, AREAS.get(request[at + 8], "?"), size, first, count * _OCTETS.get(size, 1)))
     return found
 
 
-def holds(item: AskedItem, label: str, start: int) -> bool:
+def holds(item: RequestedItem, label: str, start: int) -> bool:
     """Whether the bytes from ``start`` on of what a document calls a value lie in an item.
 
     A name without an address cannot be told.
@@ -87,7 +87,7 @@ def holds(item: AskedItem, label: str, start: int) -> bool:
     return found["area"] == item.area and item.first <= bit < item.first + 8 * item.octets
 
 
-def called(item: AskedItem, labels: Sequence[str]) -> str:
+def called(item: RequestedItem, labels: Sequence[str]) -> str:
     """What the members of an item begin with: its values, or its area."""
     return ", ".join(labels) or _WORDS.get(item.area, "")
 
@@ -105,7 +105,7 @@ def of_table(request: bytes, labels: Labels, values: Texts) -> dict[int, frozens
         texts[8] = f"{request[item.at + 8]:02X}h = {item.area}"
         found |= {LEAD + item.at + at: frozenset({f"{name}: {text}"}) for at, text in texts.items()}
     if service == WRITE:
-        found |= _data(LEAD + ITEMS + ITEM * len(asked), asked, labels, values, padded=True)
+        found |= _values(LEAD + ITEMS + ITEM * len(asked), asked, labels, values, padded=True)
     found[end - 2] = frozenset({"FCS: sum of all bytes from DA on, modulo 256"})
     found[end - 1] = frozenset({"16h = end delimiter"})
     return found
@@ -117,17 +117,11 @@ def of_answer(request: bytes, labels: Labels, values: Texts) -> dict[int, frozen
     if request[SERVICE] == WRITE:
         texts = (f"{called(item, labels[at])}: return code: FFh = good" for at, item in enumerate(asked))
         return {at: frozenset({text}) for at, text in enumerate(texts)}
-    return dict(_data(0, asked, labels, values, padded=False))
-
-
-def _data(
-    at: int, asked: Sequence[AskedItem], labels: Labels, values: Texts, *, padded: bool
-) -> dict[int, frozenset[str]]:
-    return dict(_values(at, asked, labels, values, padded=padded))
+    return dict(_values(0, asked, labels, values, padded=False))
 
 
 def _values(
-    at: int, asked: Sequence[AskedItem], labels: Labels, values: Texts, *, padded: bool
+    at: int, asked: Sequence[RequestedItem], labels: Labels, values: Texts, *, padded: bool
 ) -> Iterator[tuple[int, frozenset[str]]]:
     """Return code, size code, length, value, and a byte behind a value of odd length."""
     for number, item in enumerate(asked):
