@@ -18,6 +18,7 @@ OUTPUT, RECORD_47 = 0x8000, 47
 SAFETY = frozenset({3117, *range(9300, 9400), *range(9500, 10_300), 60_022})
 """Parameters of Safety Integrated (lists of parameters in the TIA Portal information system)."""
 MOST_VALUES = 4
+_UNKNOWN = "nobody has classified what a write does"
 _OCTET = re.compile(r"(?:B#)?16#[0-9A-F]{2}")
 _SOURCE = re.compile(r"r(?P<number>\d+)\.(?P<index>\d+)(?:@(?P<object>\d+))?")
 SELF = 0x3F
@@ -83,9 +84,9 @@ def _written(plan: DrivePlan, job: DriveJob, use: Use) -> GuideLine:
 
 def _notes(plan: DrivePlan, job: DriveJob, use: Use) -> Iterator[str]:
     number = use.parameter.pnu
-    danger = job.drive.device.danger(number)
+    danger = plan.danger(job, use) or (_UNKNOWN if plan.unclassified(job, use) else "")
     if danger:
-        yield f"{danger}; signed off: {plan.sign_off(job, number)}"
+        yield f"{danger}; signed off: {plan.sign_off(job, number) or 'no'}"
     if use.bits:
         yield "all other bits as they are read in front of the write"
     restores = plan.entry(job).on_error
