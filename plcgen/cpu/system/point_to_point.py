@@ -53,7 +53,9 @@ Key = tuple[int, int]
 
 @dataclass(slots=True)
 class Transfer:
-    """A running job: ``calls`` is how many calls it takes at least, ``settings`` gap and length of a Receive_Config."""
+    """A running job: ``calls`` is how many calls it takes at least, ``settings`` gap and length of a Receive_Config,
+    ``any_start`` whether any character begins a message.
+    """
 
     port: Port
     place: tuple[int, int]
@@ -62,6 +64,7 @@ class Transfer:
     calls: int
     length: int = 0
     settings: tuple[int, int] = (0, 0)
+    any_start: bool = False
 
 
 class PortBlock:
@@ -365,12 +368,14 @@ class ReceiveConfiguration(PortBlock):
         job = self.jobs.get(key)
         if job is not None:
             known = start in {ANY_CHARACTER, IDLE_LINE} and not end & ~(GAP_ENDS | LENGTH_ENDS)
+            job.any_start = start == ANY_CHARACTER
             job.settings = gap if known and end & GAP_ENDS else 0, most if known and end & LENGTH_ENDS else 0
 
     def act(self, _memory: Memory, _offset: int, job: Transfer) -> None:
         """Set the port."""
         gap_bits, max_length = job.settings
-        job.port.set(replace(job.port.settings, gap_bits=gap_bits, max_length=max_length))
+        settings = replace(job.port.settings, gap_bits=gap_bits, max_length=max_length, any_start=job.any_start)
+        job.port.set(settings)
         job.port.conditioned += 1
 
 
@@ -391,7 +396,11 @@ class CpSender(Sender):
         return data_block(self, memory, offset)
 
     def take(self, memory: Memory, offset: int, key: Key, job: Transfer) -> None:
-        """The bytes go to the CP piece by piece; it sends when it has them all."""
+        """The bytes go to the CP piece by piece; it sends when it has them all. With the ASCII driver it only sends."""
+        if self.number(memory, offset, "SF") != ord("S"):
+            self.report("PG834", f"SF of {self.kind} is not 'S': the ASCII driver fetches nothing")
+            self.finish(memory, offset, (False, True), self.too_long)
+            return
         job.calls = CP_MORE_CALLS + -(-len(job.data) // CP_PIECE)
         self.jobs[key] = job
         self.go_on(memory, offset, key, job, FIRST)

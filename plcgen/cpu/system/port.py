@@ -22,7 +22,8 @@ MAX_STORED = 4096
 @dataclass(frozen=True, slots=True)
 class PortSettings:
     """How a port is set: ``even`` parity with 8 data bits and 1 stop bit, MODE, ``clear`` if no character is taken for
-    XON or XOFF. ``gap_bits`` without a character end a message, so do ``max_length`` bytes; 0: they do not.
+    XON or XOFF. ``gap_bits`` without a character end a message, so do ``max_length`` bytes; 0: they do not. Any
+    character begins one if ``any_start``, not only one behind an idle line.
     """
 
     baud: int = 9600
@@ -31,9 +32,10 @@ class PortSettings:
     clear: bool = True
     gap_bits: int = 35
     max_length: int = 512
+    any_start: bool = True
 
 
-UNSET = PortSettings(even=False, mode=0, gap_bits=0, max_length=0)
+UNSET = PortSettings(even=False, mode=0, gap_bits=0, max_length=0, any_start=False)
 """A port that nobody has set: the defaults of Port_Config and Receive_Config, which end no message at all."""
 
 
@@ -49,7 +51,8 @@ class Port:
     transmissions busy, ``stuck`` a RESET of P_SND_RK; ``refusals`` maps a block such as RECEIVE_RESET to the STATUS it
     fails with; ``echo``: the module hears what it sends, while it sends it.
 
-    ``configured`` and ``conditioned`` count the jobs of Port_Config and Receive_Config.
+    ``configured`` and ``conditioned`` count the jobs of Port_Config and Receive_Config. ``fetched`` are the last
+    messages that a block has taken.
     """
 
     peer: Endpoint | None = None
@@ -63,6 +66,7 @@ class Port:
     echo: bool = False
     time: float = 0.0
     sent: list[tuple[float, bytes]] = field(default_factory=list)
+    fetched: deque[bytes] = field(default_factory=lambda: deque(maxlen=100))
     configured: int = 0
     conditioned: int = 0
     transmissions: int = 0
@@ -195,7 +199,9 @@ class Port:
 
     def fetch(self) -> bytes:
         """The oldest complete message."""
-        return self._messages.popleft()
+        message = self._messages.popleft()
+        self.fetched.append(message)
+        return message
 
     def clear(self) -> None:
         """Throw away what was received so far."""

@@ -22,6 +22,8 @@ DAMAGE = {
     # what docs/ppi-master.md says that ends a message
     (CM, "512 -> 513: #statConditions.END.MAXLEN", 1): "a message ends after a gap of 35 bit times or 513 bytes",
     (CM, "35 -> 36: #statConditions.END.CHARGAP", 1): "a message ends after a gap of 36 bit times or 512 bytes",
+    # a reply that comes in the very scan in which a pause is over
+    (CP, "dropped: #statState := #STATE_WAIT", 1): "16#8205, although the reply came",
     # the first byte behind E5 is passed over
     (CM, "1 -> 2: #tempSize := 1", 1): "a frame of others right behind E5, scan 28: diagnostics.ignoredFrames counts 0",
     # the pad behind a value

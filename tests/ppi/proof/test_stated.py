@@ -107,8 +107,10 @@ TANK_DAMAGE = [
     (FB, "MAX_RETRIES : Int := 3", "MAX_RETRIES : Int := 2", 4, "4 times as it is, found 3 times"),
     (FB, "BAUD_CODE : UInt := 6", "BAUD_CODE : UInt := 7", 9, "16#0000, found 16#8203"),
     (FB, "CHARGAP := 35", "CHARGAP := 36", 4, "a gap of 35 bit times .* of 36"),
+    (FB, "STARTCOND := 16#0002", "STARTCOND := 16#0008", 4, "says any character begins .* found not any character"),
 ]
 WELL_DAMAGE = [
+    (FB, "SF := 'S'", "SF := 'R'", 9, "SF of P_SND_RK is not 'S'"),
     (FB, "moduleAddress : Int := 256", "moduleAddress : Int := 272", 9, "found 16#82"),
     ("scl/Main.scl", "lookM0_7 => .*m0_7", 'lookM0_7 => "PpiJobs".look.busy', 9, "m0_7 shows M0.7"),
     ("scl/Main.scl", 'putExecute := "putExecute"', "putExecute := FALSE", 10, "ends, found never ends"),

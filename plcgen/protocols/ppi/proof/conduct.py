@@ -66,9 +66,11 @@ class MasterConduct:
         rig.line.journal.clear()
         rig.executed.clear()
         port.sent.clear()
+        port.fetched.clear()
         port.faults, port.hang, port.refusals = dict(scenario.port), scenario.hang, dict(scenario.refusals)
         rig.edited.edit, rig.edited.bend = scenario.edit, scenario.bend
         rig.edited.broken, rig.edited.again, rig.edited.rest = scenario.broken, scenario.again, scenario.rest
+        rig.edited.alone(scenario.only, unready=scenario.unready)
         port.echo, port.stuck = scenario.echo, scenario.stuck
         port.transmissions = port.configured = port.conditioned = 0
         if scenario.forgets:
@@ -155,6 +157,8 @@ class MasterConduct:
             found = f"Port_Config set the port {port.configured} times, Receive_Config {port.conditioned} times"
             raise ScenarioError(f"{found}, not {wanted}")
         gap, most = port.settings.gap_bits, port.settings.max_length
+        if done and not port.settings.any_start:
+            raise ScenarioError("a message does not begin with any character")
         if done and (gap, most) != (GAP_BITS, LONGEST):
             raise ScenarioError(f"a message ends after a gap of {gap} bit times or {most} bytes")
 
@@ -164,6 +168,7 @@ class MasterConduct:
         rig.port.hang, rig.port.faults, rig.port.refusals = False, {}, {}
         rig.edited.edit = rig.edited.bend = None
         rig.edited.broken = rig.edited.again = 0
+        rig.edited.alone(0, unready=False)
         rig.port.echo = rig.port.stuck = False
         rig.line.faults.clear()
         rig.bus.ports[rig.master.port] = rig.port

@@ -12,7 +12,9 @@ from plcgen.protocols.ppi.wire.fdl import examine_frame
 from plcgen.protocols.ppi.wire.model import FCB, FIRST, FixedFrame, VariableFrame
 
 REFERENCE = slice(11, 13)
-CODE, CHECK = 6, -2
+CODE, CHECK, START = 6, -2, 0x68
+WITH_DATA = frozenset({0x08, 0x0A})
+"""Function codes of a reply (EN 50170): data, data of high priority."""
 
 
 class End:
@@ -32,6 +34,7 @@ class End:
         if not self.scenario.restarts and status in {DONE, WORDS["ITEM_ERROR"]}:
             check_job_tables(self.rig, self.job, refused=status != DONE)
         self.check_last(status)
+        self.check_heard(status)
 
     def check_pace(self, pace: tuple[int, int, int]) -> None:
         """The silence after a frame is what the constants say, and a few scans; a CP 341 moves 32 bytes in each."""
@@ -44,6 +47,19 @@ class End:
             wanted = pace[2] if number == len(sent) else pace[min(number, 2) - 1]
             if not wanted - 1 <= begin - end <= wanted + slack:
                 raise ScenarioError(f"{begin - end:.0f} ms after frame {number} instead of {wanted}")
+
+    def check_heard(self, status: int) -> None:
+        """No job says that nothing came, or only E5, if the block has taken the reply to its last request."""
+        if status not in {WORDS["NO_ANSWER"], WORDS["NOT_READY"]}:
+            return
+        asked = next((data[REFERENCE] for _, data in reversed(self.rig.port.sent) if data[0] == START), None)
+        for message in self.rig.port.fetched:
+            frame, problems = examine_frame(message)
+            if problems or not isinstance(frame, VariableFrame) or not self.scenario.intact:
+                continue
+            way = frame.source, frame.function in WITH_DATA, message[REFERENCE]
+            if way == (self.job.station.address, True, asked):
+                raise ScenarioError(f"16#{status:04X}, although the reply came: {message.hex(' ').upper()}")
 
     def check_last(self, status: int) -> None:
         """What the diagnostics say of the last telegram and its last frame."""

@@ -9,7 +9,6 @@ from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob
 from plcgen.protocols.ppi.proof.replies import Edit, bends, changed
 from plcgen.protocols.ppi.proof.reply_scenarios import ready, refusals, wrong_replies
 from plcgen.protocols.ppi.proof.scenario import (
-    FRAME_MS,
     LATE_MS,
     POLL_MS,
     SCAN_MS,
@@ -21,6 +20,10 @@ from plcgen.protocols.ppi.proof.scenario import (
 from plcgen.protocols.ppi.proof.words import DONE, WORDS
 from plcgen.protocols.ppi.sim.faults import At
 
+REPLY_FRAME, SHORT_REPLY = 23, 22
+"""Bytes of a reply around its data; of one to RUN or STOP."""
+GAP_MS = 4
+"""Milliseconds of the gap behind a message, 35 bit times."""
 OTHERS = bytes.fromhex("10 05 03 49 51 16")
 """A frame of station 3 for station 5: SD1, DA, SA, FC, the sum of the three, ED."""
 
@@ -71,7 +74,7 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
             )
     yield from _line_refusals(master)
     yield from _late(master)
-    yield from _in_the_pause(master)
+    yield from _in_the_pause(master, job)
     yield from refusals(job, every=every)
     yield from _short(master, job)
     yield from wrong_replies(job)
@@ -190,18 +193,26 @@ def _late(master: PlannedMaster) -> Iterator[PpiScenario]:
         )
 
 
-def _in_the_pause(master: PlannedMaster) -> Iterator[PpiScenario]:
-    """A reply that comes in the pause behind its time: one of these lengths meets it.
+def _in_the_pause(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
+    """The only reply comes in a pause: in each single scan of that before a repetition, which follows the time for the
+    reply, and of that between two polls. Every other poll is answered with E5, so nothing else ends the job well.
 
-    A CP 341 hands a frame over in up to eight scans.
+    A message is handed over in up to eight scans by a CP 341, in two by others.
     """
-    step = max(1, master.retry_pause // 2)
-    begin = master.reply_timeout - FRAME_MS - 8 * SCAN_MS
-    for late in range(max(step, begin), master.reply_timeout + master.retry_pause, step):
-        yield PpiScenario(
-            name=f"reply {late} ms late", faults=(fault("late", "poll", milliseconds=late),), retries=None, polls=None,
-            status=(DONE, WORDS["NOT_READY"], WORDS["NO_ANSWER"]),
-        )  # fmt: skip
+    first = job.telegrams[0].response
+    length = REPLY_FRAME + first.size if first is not None else SHORT_REPLY
+    frame = length * 11 * 1000 // master.baud + GAP_MS
+    scan = min(SCAN_MS, master.ob1_cycle)
+    pauses = (
+        (False, "", master.reply_timeout, master.retry_pause),
+        (True, "E5 and ", POLL_MS, master.poll_pause),
+    )
+    for unready, before, begin, pause in pauses:
+        for late in range(max(1, begin - frame - 8 * scan), max(2, begin + pause - frame + 4 * scan), scan):
+            yield PpiScenario(
+                name=f"{before}one reply, {late} ms late, and E5 to every other poll", only=late, unready=unready,
+                status=(DONE, WORDS["NOT_READY"], WORDS["NO_ANSWER"]), retries=None, polls=None,
+            )  # fmt: skip
 
 
 def _short(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:

@@ -21,6 +21,7 @@ from plcgen.protocols.ppi.wire.areas import Area
 from plcgen.protocols.ppi.wire.fdl import encode_frame, examine_frame
 from plcgen.protocols.ppi.wire.model import Item, VariableFrame
 
+ACKNOWLEDGED = b"\xe5"
 CHARACTER_MS = 2
 """More than a character takes at 9600 bit/s, 11 bits."""
 SIGNALS = ("execute", "busy", "done", "error", "status")
@@ -49,15 +50,21 @@ class EditedLine:
     """A line on which replies are changed: ``edit`` every PDU, with a new frame around it, ``bend`` the first frame.
 
     ``broken`` cuts the first one behind so many bytes, the others come ``rest`` ms later; ``again`` is how many come if
-    even those break off.
+    even those break off. ``only``: there is one reply, so many ms late, and E5 instead
+    of every other one; if ``unready`` before it, too.
     """
 
     def __init__(self, line: Line) -> None:
         self.line = line
         self.edit: Edit | None = None
         self.bend: Bend | None = None
-        self.broken = self.again = self.rest = 0
+        self.broken = self.again = self.rest = self.only = 0
+        self.unready = self._replied = False
         self._held: tuple[int, bytes] | None = None
+
+    def alone(self, late: int, *, unready: bool) -> None:
+        """Let there be one reply, so many ms late, and E5 before it if ``unready``; 0: as many as there are."""
+        self.only, self.unready, self._replied = late, unready, False
 
     def receive(self, data: bytes, now: int) -> None:
         """Hand bytes on to the stations."""
@@ -74,11 +81,15 @@ class EditedLine:
             held, self._held = self._held[1], None
             return self._hold_back(held, now) if self.again else held
         data = self.line.transmit(now)
-        if self.edit is None and self.bend is None and not self.broken:
+        if self.edit is None and self.bend is None and not self.broken and not self.only:
             return data
         frame = examine_frame(data)[0] if data else None
         if not isinstance(frame, VariableFrame):
             return data
+        if self.only:
+            late, self._replied = not self._replied, True
+            self._held = (now + self.only, data) if late else self._held
+            return b"" if late and not self.unready else ACKNOWLEDGED
         if self.edit is not None:
             data = encode_frame(replace(frame, pdu=self.edit(frame.pdu)))
         if self.bend is not None:

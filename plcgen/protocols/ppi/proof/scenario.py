@@ -35,7 +35,8 @@ class PpiScenario(Scenario):
 
     The line: ``faults`` of the simulated stations; ``edit`` changes the PDU of every reply, whose frame stays right,
     ``bend`` the bytes of the first one, which is ``broken`` behind so many bytes (from the end if negative) and goes on
-    ``rest`` ms later, with ``again`` bytes and another break if that is not 0;
+    ``rest`` ms later, with ``again`` bytes and another break if that is not 0; ``only``: one reply comes, so many ms
+    late, and E5 instead of every other one, before it too if it is ``unready``;
     ``echo`` lets the module hear what it sends while it sends it.
 
     The module: ``port`` maps the n-th transmission (0: every one) to a STATUS it fails with, ``hang`` keeps
@@ -60,6 +61,8 @@ class PpiScenario(Scenario):
     broken: int = 0
     again: int = 0
     rest: int = PAUSE
+    only: int = 0
+    unready: bool = False
     echo: bool = False
     forgets: bool = False
     gone: bool = False
@@ -74,6 +77,11 @@ class PpiScenario(Scenario):
     measured: bool = False
     ignored: int | None = None
     damaged: int | None = None
+
+    @property
+    def intact(self) -> bool:
+        """Whether a reply whose frame is right is right."""
+        return self.edit is None and self.bend is None and not self.restarts
 
     @property
     def restarts(self) -> bool:

@@ -156,6 +156,8 @@ class PpiSuite:
             found.append(Premise("no retries", follow=("MAX_RETRIES",)))
         if all(len(telegram.items) < 2 for telegram in master.telegrams):
             found.append(Premise("every telegram has one item", follow=("tempLastItem", "tempFailed")))
+        if master.polls == 1 and not master.retries:
+            found.append(known("a message takes two calls, and E5 was the last one", "tempNew", (0,), (State.POLL,)))
         if master.polls == 1:
             found.append(Premise("one poll only", follow=("MAX_POLLS",)))
             found.append(known("one poll only", "statFunctionCode", (0, 0x5C), (State.BUILD,)))

@@ -171,7 +171,7 @@ class StatedBed:
         else:
             raise self.wrong(job.path, f"job {job.key}", "ends", "never ends")
         if self.cpu.misuses:
-            raise ScenarioError("misuse")
+            raise self.wrong(job.path, f"what {job.key} does", "nothing that a CPU refuses", self.cpu.misuses[0])
         return self.signal(job, "status")
 
     def rest(self, job: PpiStatement) -> None:

@@ -25,17 +25,24 @@ def hold_times(bed: StatedBed) -> None:
     """Waiting, repeating, polling; then timeout and cycle of every job."""
     job = next((job for job in bed.jobs if job.service == READ), bed.jobs[0])
     longest = _longest(bed)
-    port, module = bed.port, bed.module.settings
-    if not port.classic and (module.gap_bits, module.max_length) != (GAP_BITS, LONGEST_MESSAGE):
-        ends = f"a gap of {module.gap_bits} bit times or {module.max_length} bytes"
-        said = f"a gap of {GAP_BITS} bit times or {LONGEST_MESSAGE} bytes"
-        raise bed.wrong(port.path, "what ends a message", said, ends)
+    port = bed.port
+    _ends(bed)
     _unanswered(bed, job, "request", port.ack_wait())
     _unanswered(bed, job, "poll", port.reply_wait(longest))
     _not_ready(bed, job)
     for each in bed.jobs:
         _timeout(bed, each)
         _again(bed, each)
+
+
+def _ends(bed: StatedBed) -> None:
+    """What begins and ends a message, as a CM is set by the block."""
+    settings = bed.module.settings
+    found = f"{'any' if settings.any_start else 'not any'} character begins a message, a gap of {settings.gap_bits} bit"
+    found += f" times or {settings.max_length} bytes end it"
+    said = f"any character begins a message, a gap of {GAP_BITS} bit times or {LONGEST_MESSAGE} bytes end it"
+    if not bed.port.classic and found != said:
+        raise bed.wrong(bed.port.path, "what begins and ends a message", said, found)
 
 
 def _calls(bed: StatedBed, octets: int) -> int:
