@@ -116,7 +116,7 @@ def check(spec: Path | str, *, strict: bool = False) -> CheckResult:
     if found.project is None or not found.ok:
         return found
     more, allowed = list(remarks(found.project)), allowed_in(found.project)
-    own = tuple(each for each in allowed if each.span.file == found.project.loaded.file or not each.reason)
+    own = tuple(each for each in allowed if each.span.file == found.project.loaded.file or not each.has_reason)
     told = [*found.diagnostics, *settled(more, allowed), *idle([*found.diagnostics, *more], own)]
     return replace(found, diagnostics=tuple(Report(told)))
 

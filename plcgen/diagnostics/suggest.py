@@ -2,25 +2,81 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from functools import cached_property
 
 _LEAST = 3
 """Letters of a part that is worth a suggestion."""
+_MANY = 40
+"""Of so many candidates at most each is compared; of more, those that share the most pairs of letters."""
+_PLACES = 30
+"""So many candidates are kept for a pair of letters, and compared in the end."""
+
+
+class Vocabulary:
+    """Candidates for many words: however many there are, a word is compared with a few of them.
+
+    What a file has a thousand of may be misspelt a thousand times.
+    """
+
+    def __init__(self, candidates: Iterable[str]) -> None:
+        self._words = tuple(candidates)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._words)
+
+    def __len__(self) -> int:
+        return len(self._words)
+
+    def first(self, most: int) -> tuple[str, ...]:
+        """The first candidates."""
+        return self._words[:most]
+
+    @cached_property
+    def by_lower(self) -> dict[str, str]:
+        """The candidates by what they are in lower case."""
+        return {word.lower(): word for word in self._words}
+
+    @cached_property
+    def _by_pair(self) -> dict[str, list[str]]:
+        found: dict[str, list[str]] = {}
+        for word in self.by_lower:
+            for pair in _pairs(word):
+                kept = found.setdefault(pair, [])
+                if len(kept) < _PLACES:
+                    kept.append(word)
+        return found
+
+    def like(self, word: str) -> Iterable[str]:
+        """Those in lower case that are worth a comparison with a word in lower case."""
+        if len(self.by_lower) <= _MANY:
+            return self.by_lower
+        shared = Counter(each for pair in _pairs(word) for each in self._by_pair.get(pair, ()))
+        return [each for each, _ in shared.most_common(_PLACES)]
+
+
+def _pairs(word: str) -> set[str]:
+    """Neighbouring letters; at both ends there is a blank."""
+    return {f" {word} "[at : at + 2] for at in range(len(word) + 1)}
 
 
 def near(word: str, candidates: Iterable[str]) -> list[str]:
     """The candidate that looks most like ``word``, if one does; letter case is ignored.
 
-    Without any, the only one of which ``word`` is a whole part: ``g120`` means ``sinamics-g120``.
+    Without any, the only one of which ``word`` is a whole part: ``g120`` means ``sinamics-g120``. Who asks for many
+    words makes a :class:`Vocabulary` of the candidates first.
     """
     from difflib import get_close_matches
 
-    by_lower = {candidate.lower(): candidate for candidate in candidates}
-    hits = get_close_matches(word.lower(), by_lower, n=1, cutoff=0.6)
+    known = candidates if isinstance(candidates, Vocabulary) else Vocabulary(candidates)
+    wanted = word.lower()
+    pool = known.like(wanted)
+    hits = get_close_matches(wanted, pool, n=1, cutoff=0.6)
     if not hits and len(word) >= _LEAST:
-        parts = [one for one in by_lower if word.lower() in one.replace("_", "-").split("-")]
+        parts = [one for one in pool if wanted in one.replace("_", "-").split("-")]
         hits = parts if len(parts) == 1 else []
-    return [by_lower[hit] for hit in hits]
+    return [known.by_lower[hit] for hit in hits]
 
 
 def did_you_mean(word: str, candidates: Iterable[str]) -> str:

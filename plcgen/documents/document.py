@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from plcgen.scl.classic import Spelling
+
+if TYPE_CHECKING:
+    from plcgen.documents.reread import Promise
+    from plcgen.s7.blocks import Block
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,9 +19,9 @@ class Document:
 
     ``path`` is relative to the output folder, with forward slashes; without a ``template`` the ``text`` is finished;
     ``encoding`` a Python codec name; ``newline`` the line ending; ``experimental`` why the file
-    was never seen in a real import ("" if it was); ``twins`` makes further documents from the finished text of this
-    one; ``spelling`` says for which compiler the template is rewritten, ``voice`` says the finished text in the
-    project's languages; ``data`` is a file that is no text.
+    was never seen in a real import ("" if it was); ``spelling`` says for which compiler the template is rewritten,
+    ``voice`` says the finished text in the project's languages; ``promise`` is what a source must say when it is read
+    again, ``twins`` makes further documents from the block that is read then; ``data`` is a file that is no text.
     """
 
     path: str
@@ -27,7 +31,8 @@ class Document:
     encoding: str = "utf-8"
     newline: str = "\n"
     experimental: str = ""
-    twins: Callable[[str], Iterator[Document]] | None = field(default=None, repr=False)
+    twins: Callable[[Block], Iterator[Document]] | None = field(default=None, repr=False)
     spelling: Spelling = Spelling.TIA
     voice: Callable[[str], str] | None = field(default=None, repr=False)
     data: bytes = b""
+    promise: Promise | None = field(default=None, repr=False)

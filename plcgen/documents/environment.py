@@ -18,8 +18,11 @@ import jinja2
 import jinja2.ext
 import markupsafe
 
+from plcgen.diagnostics import DiagnosticError
 from plcgen.display import markdown
 from plcgen.documents.document import Document
+from plcgen.documents.holes import FILTERS, StrayTextError, guard
+from plcgen.documents.reread import Reading, not_meant, reread
 from plcgen.resources import templates_dir
 from plcgen.scl.classic import Spelling, respell
 
@@ -82,7 +85,7 @@ class _Respelled(jinja2.ext.Extension):
         spelling = Spelling(self.environment.globals["spelling"])
         if (name or "").endswith(_MARKDOWN):
             return _PRINTED.sub(r"{{\1 (\2) | shown \3}}", source)
-        return expand_marks(respell_template(source, spelling)) if (name or "").endswith(_SOURCES) else source
+        return expand_marks(guard(respell_template(source, spelling))) if (name or "").endswith(_SOURCES) else source
 
 
 def _beside_protocol(name: str) -> str | None:
@@ -108,6 +111,7 @@ def environment(spelling: Spelling = Spelling.TIA) -> jinja2.Environment:
         extensions=[_Respelled],
     )
     made.globals["spelling"] = spelling
+    made.filters |= FILTERS
     made.filters |= {
         "code": _code,
         "with_bytes": _with_bytes,
@@ -139,7 +143,8 @@ def _with_bytes(text: str) -> _Marked:
 
 def _shown(value: object) -> str:
     """What a template of Markdown prints: whatever it is, a viewer shows just that."""
-    return value if isinstance(value, _Marked) else markdown.escape(str(value))
+    text = str(value)
+    return text if text.isalnum() or isinstance(value, _Marked) else markdown.escape(text)
 
 
 _JOINTS = re.compile(r"(?<=[._\]/,:-])(?=[^._\]/,:\s-])|(?<=[a-z0-9])(?=[A-Z])")
@@ -175,7 +180,10 @@ def render(document: Document) -> RenderedFile:
 def _text(document: Document) -> str:
     if not document.template:
         return document.text
-    text = render_text(document.template, document.view, document.spelling)
+    try:
+        text = render_text(document.template, document.view, document.spelling)
+    except StrayTextError as stray:
+        raise DiagnosticError([not_meant(document.path, f'"{stray}" would not stay at its place')]) from stray
     return text if document.voice is None else document.voice(text)
 
 
@@ -194,10 +202,15 @@ def render_all(
 
     ``progress(what, done, 0)``: how many there will be is not known before.
     """
+    reading = Reading()
     for number, document in enumerate(documents, 1):
         text = _text(document)
+        block, promise = None, document.promise
+        if promise is not None:
+            read = reading.alike if document.twins is None else reread
+            block = read(text, document.path, promise)
         yield _finished(document, text)
-        if document.twins is not None:
-            yield from map(render, document.twins(text))
+        if document.twins is not None and block is not None:
+            yield from map(render, document.twins(block))
         if progress is not None and number % 50 == 0:
             progress("render", number, 0)

@@ -21,15 +21,15 @@ from plcgen.project.nouns import Frame
 from plcgen.s7.blocks import Block, BlockKind
 from plcgen.simaticml.versions import VERSIONS
 from plcgen.simaticml.writing.documents import Setting
-from plcgen.simaticml.writing.twin import code_document, instance_document, read_block
+from plcgen.simaticml.writing.twin import code_document, instance_document
 
 RECORD_NOTE = "the call form of WRREC and RDREC is inferred; no genuine export was available to compare with"
 VERSION_NOTE = "no genuine export of this TIA Portal version was available to compare with"
 WATCH_NOTE = "watch tables follow the Openness manual; no genuine export was available to compare with"
 _MAIN_NUMBER = 1
 
-Twins = Callable[[str], Iterator[Document]]
-"""Makes documents from the finished text of a source."""
+Twins = Callable[[Block], Iterator[Document]]
+"""Makes documents from the block of a finished source."""
 
 
 class SimaticMl:
@@ -87,15 +87,15 @@ class SimaticMl:
         return self._document(name, "simaticml/tags.xml.j2", view, self._early)
 
     def program(self, made: FunctionBlock) -> Twins:
-        """What makes the documents of a function block and of its instance DB from the block's text."""
+        """What makes the documents of a function block and of its instance DB from the block as it is read."""
         return partial(self._pair, made)
 
     def main(self, calls: Sequence[Call]) -> Twins:
-        """What makes the document of the example OB1 from its text."""
+        """What makes the document of the example OB1 from the block as it is read."""
         return partial(self._main, calls)
 
-    def _pair(self, made: FunctionBlock, text: str) -> Iterator[Document]:
-        block, db = replace(read_block(text), number=made.block.number), made.instance
+    def _pair(self, made: FunctionBlock, block: Block) -> Iterator[Document]:
+        block, db = replace(block, number=made.block.number), made.instance
         called = [each for each in made.data if isinstance(each, LibraryInstance)]
         others = tuple(Block(BlockKind.DB, each.block.name, (), instance_of=each.of.strip('"')) for each in called)
         yield self._finished(made.block.name, code_document(block, self._setting, others), made.note)
@@ -106,9 +106,9 @@ class SimaticMl:
         )
         yield self._finished(db.name, instance_document(instance, block, self._setting), self.note)
 
-    def _main(self, calls: Sequence[Call], text: str) -> Iterator[Document]:
+    def _main(self, calls: Sequence[Call], block: Block) -> Iterator[Document]:
         instances = tuple(Block(BlockKind.DB, call.instance, (), instance_of=call.block) for call in calls)
-        block = replace(read_block(text), number=_MAIN_NUMBER)
+        block = replace(block, number=_MAIN_NUMBER)
         yield self._finished(block.name, code_document(block, self._setting, instances), self.note)
 
     def _finished(self, name: str, text: str, experimental: str) -> Document:

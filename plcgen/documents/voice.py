@@ -99,6 +99,10 @@ class Voice:
             self._meant[spoken] = self._meant.get(text, text)
         return spoken
 
+    def line(self, text: str) -> str:
+        """The text of a comment as :meth:`source` has it."""
+        return text if self.cultures[0] == self.english else self.say(text)
+
     def source(self, text: str) -> str:
         """A finished source, its comments, titles and regions said in the project's languages."""
         if self.cultures[0] == self.english:

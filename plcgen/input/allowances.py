@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from plcgen.diagnostics import Diagnostic, Note, Severity, Span
+from plcgen.input.printed import says_something
 
 _COMMENT = re.compile(r"(?:\A|(?<=\s))(?:#|//)\s*plcgen:\s*allow\s+(PG[0-9]{3})\b(.*)")
 _NOTHING = re.compile(r"\s*(?:(?:#|//).*)?\Z")
@@ -25,10 +26,15 @@ class Allowance:
     span: Span
     line: int
 
-    def covers(self, diagnostic: Diagnostic) -> bool:
-        """Whether it is about this diagnostic."""
-        place = diagnostic.span
-        return (diagnostic.code, place.file, place.line) == (self.code, self.span.file, self.line)
+    @property
+    def about(self) -> Place:
+        """What it is about."""
+        return self.code, self.span.file, self.line
+
+    @property
+    def has_reason(self) -> bool:
+        """Whether it says why."""
+        return says_something(self.reason)
 
     def settle(self, diagnostic: Diagnostic) -> Diagnostic:
         """The warning as a note with the reason."""
@@ -43,22 +49,33 @@ def allowances(text: str, file: str) -> tuple[Allowance, ...]:
 
 def _found(text: str, file: str) -> Iterator[Allowance]:
     lines = text.splitlines()
-    for number, line in enumerate(lines, 1):
-        found = _COMMENT.search(line)
-        if found is None:
-            continue
-        about = number
-        if not line[: found.start()].strip():
-            below = (n for n, each in enumerate(lines[number:], number + 1) if not _NOTHING.match(each))
-            about = next(below, number)
-        span = Span(file, number, found.start() + 1, number, found.end() + 1)
-        yield Allowance(found[1], found[2].strip(" \t:-*)"), span, about)
+    found: list[Allowance] = []
+    below = 0
+    for number in range(len(lines), 0, -1):
+        line = lines[number - 1]
+        comment = _COMMENT.search(line)
+        if comment is not None:
+            about = number if line[: comment.start()].strip() or not below else below
+            span = Span(file, number, comment.start() + 1, number, comment.end() + 1)
+            found.append(Allowance(comment[1], comment[2].strip(" \t:-*)"), span, about))
+        if not _NOTHING.match(line):
+            below = number
+    return reversed(found)
+
+
+Place = tuple[str, str, int]
+"""Code, file and line: what a comment is about, and what a diagnostic is."""
+
+
+def _place(diagnostic: Diagnostic) -> Place:
+    return diagnostic.code, diagnostic.span.file, diagnostic.span.line
 
 
 def settled(diagnostics: Iterable[Diagnostic], allowed: tuple[Allowance, ...]) -> Iterator[Diagnostic]:
     """The diagnostics with what is allowed for a reason: warnings as notes, notes left out."""
+    reasons = {each.about: each for each in reversed(allowed) if each.has_reason}
     for diagnostic in diagnostics:
-        reason = next((each for each in allowed if each.reason and each.covers(diagnostic)), None)
+        reason = reasons.get(_place(diagnostic))
         if reason is None or diagnostic.severity is Severity.ERROR:
             yield diagnostic
         elif diagnostic.severity is Severity.WARNING:
@@ -67,11 +84,11 @@ def settled(diagnostics: Iterable[Diagnostic], allowed: tuple[Allowance, ...]) -
 
 def idle(diagnostics: Iterable[Diagnostic], allowed: tuple[Allowance, ...]) -> Iterator[Diagnostic]:
     """PG111 for every comment that allows nothing: it has no reason, or what it allows is not reported there."""
-    found = list(diagnostics)
+    found = set(map(_place, diagnostics))
     for each in allowed:
-        if not each.reason:
+        if not each.has_reason:
             message, help_ = f"{each.code} is not allowed without a reason", "write the reason after the code"
-        elif not any(map(each.covers, found)):
+        elif each.about not in found:
             message = f"there is nothing to allow: {each.code} is not reported here"
             help_ = "remove the comment, or put it on the line of the warning, or above it"
         else:

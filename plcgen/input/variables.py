@@ -10,9 +10,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from itertools import islice
 
 from plcgen.diagnostics import Diagnostic, Note, Report, Span
-from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.input.yaml import MAX_BYTES, MAX_NODES, YamlNode
 
 KEY = "variables"
@@ -56,6 +57,7 @@ class _Filling:
     root: YamlNode
     report: Report
     uses: list[VariableUse] = field(default_factory=list)
+    words: Vocabulary | None = None
     room: int = MAX_BYTES
     """So many characters more may come from variables in texts."""
 
@@ -134,8 +136,10 @@ class _Filling:
         if not _NAME.fullmatch(name):
             self.refuse(f'"{name}" is not a valid variable name', place, f"for the text write $$({name})")
         else:
-            listed = f"variables: {', '.join(list(known)[:20])}" if known else "define it under variables:"
-            self.refuse(f'unknown variable "{name}"', place, f"{did_you_mean(name, known)} {listed}".strip())
+            if self.words is None:
+                self.words = Vocabulary(known)
+            listed = f"variables: {', '.join(islice(known, 20))}" if known else "define it under variables:"
+            self.refuse(f'unknown variable "{name}"', place, f"{did_you_mean(name, self.words)} {listed}".strip())
         return None
 
     def refuse(self, message: str, place: Span, help_: str) -> None:

@@ -30,7 +30,7 @@ def test_every_export(tmp_path, separator, header, encoding):
     assert table.find("PUMP").line == (2 if header else 1)
     assert table.find("füllstand").item == parse_item("VW10")
     assert table.find("nothing") is None
-    assert table.names == ["Pump", "Level", "Füllstand"]
+    assert [*table.names] == ["Pump", "Level", "Füllstand"]
 
 
 @pytest.mark.parametrize(

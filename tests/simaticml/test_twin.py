@@ -13,6 +13,7 @@ from plcgen import api
 from plcgen.simaticml.versions import VERSIONS
 from plcgen.simaticml.writing import twin
 from plcgen.simaticml.writing.documents import Setting
+from plcgen.sources.text import parse_source
 
 SETTING = Setting(VERSIONS["V19"], classic=False)
 
@@ -29,18 +30,7 @@ def test_a_line_means_what_its_names_mean_in_its_block() -> None:
     }
     for section, expected in kinds.items():
         text = f'FUNCTION_BLOCK "X"\n{section}\nBEGIN\n{code}\nEND_FUNCTION_BLOCK\n'
-        assert expected in twin.code_document(twin.read_block(text), SETTING)
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["FUNCTION_BLOCK x", 'FUNCTION_BLOCK "X"\nBEGIN\n#a := ;\nEND_FUNCTION_BLOCK\n', "",
-     'FUNCTION_BLOCK "X"\nVAR\n  a : Nonsense;\n  b := 1;\nEND_VAR\nBEGIN\nEND_FUNCTION_BLOCK'],
-)  # fmt: skip
-def test_a_source_that_does_not_parse_is_an_error_of_the_generator(text: str) -> None:
-    """No document is made from a text that is not one block."""
-    with pytest.raises(ValueError, match="does not parse"):
-        twin.read_block(text)
+        assert expected in twin.code_document(parse_source(text, "x.scl")[0][0], SETTING)
 
 
 @pytest.mark.parametrize(

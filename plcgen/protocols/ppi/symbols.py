@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import csv
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, Report, Span
+from plcgen.diagnostics.suggest import Vocabulary
 from plcgen.input.files import read_bounded
 from plcgen.input.text import decoded_list
 from plcgen.protocols.ppi.wire.address import PpiAddressError, parse_item
@@ -38,7 +40,7 @@ class PpiSymbol:
     line: int
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SymbolTable:
     """Symbols by name, letter case ignored."""
 
@@ -48,10 +50,10 @@ class SymbolTable:
     def __post_init__(self) -> None:
         self._index.update({symbol.name.casefold(): symbol for symbol in self.symbols})
 
-    @property
-    def names(self) -> list[str]:
+    @cached_property
+    def names(self) -> Vocabulary:
         """Names in the order of the table."""
-        return [symbol.name for symbol in self.symbols]
+        return Vocabulary(symbol.name for symbol in self.symbols)
 
     def find(self, name: str) -> PpiSymbol | None:
         """Return the symbol of this name."""

@@ -6,28 +6,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from plcgen.s7.blocks import Block, SectionKind
-from plcgen.scl.declarations import blocks
 from plcgen.scl.lexer import tokenize
-from plcgen.scl.parser import parse
 from plcgen.simaticml.writing.documents import Setting, document
 from plcgen.simaticml.writing.scope import BlockScope
 from plcgen.simaticml.writing.structured_text import elements, numbered
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-
-def read_block(text: str) -> Block:
-    """Return the one code block of a generated source.
-
-    Raises ValueError if the text is not exactly one block without errors: then the generator is wrong.
-    """
-    result = parse(text, "generated")
-    found, problems = blocks(result)
-    problems = [*result.diagnostics, *problems]
-    if problems or len(found) != 1:
-        raise ValueError(f"a generated source does not parse: {problems[:1] or len(found)}")
-    return found[0]
 
 
 def code_document(block: Block, setting: Setting, known: Sequence[Block] = ()) -> str:

@@ -529,7 +529,11 @@ class DrivePlan(Plan):
 
     def settings(self, drive: PlannedDrive) -> DriveSettings:
         """What the spec says about a drive."""
-        return next(placed.drive for placed in self.spec.placed() if placed.path == drive.path)
+        return self._placed[drive.path]
+
+    @cached_property
+    def _placed(self) -> dict[SpecPath, DriveSettings]:
+        return {placed.path: placed.drive for placed in self.spec.placed()}
 
     def danger(self, job: DriveJob, use: Use) -> str:
         """Why what is written needs a sign-off: the one question that every kind of job answers to.

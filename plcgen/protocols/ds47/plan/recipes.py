@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from plcgen.diagnostics import Diagnostic, Report, Severity
-from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.protocols.ds47.kinds.kind import ReadItem, WriteItem
@@ -26,6 +26,7 @@ class Recipes:
     def __init__(self, loaded: LoadedSpec, numbering: Numbering, report: Report) -> None:
         self._loaded, self._numbering, self._report = loaded, numbering, report
         self._entries = loaded.sections(DriveSections).recipes
+        self._words = Vocabulary(self._entries)
         self._named: set[str] = set()
         self.found: dict[str, PlannedRecipe] = {}
 
@@ -34,7 +35,7 @@ class Recipes:
         if key in self._entries:
             self._named.add(key)
             return ("recipes", key, "parameters")
-        help_ = did_you_mean(key, self._entries) or "add it to the section recipes"
+        help_ = did_you_mean(key, self._words) or "add it to the section recipes"
         self._report.add(Diagnostic("PG256", f'there is no recipe "{key}"', self._loaded.span(path), help=help_))
         return None
 

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Report
-from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.diagnostics.counting import shortlist
+from plcgen.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec
 from plcgen.protocols.ds47 import guards
@@ -24,6 +25,9 @@ from plcgen.protocols.ds47.schema import DriveSections
 
 if TYPE_CHECKING:
     from plcgen.protocols.base import Protocol
+
+
+_SHOWN = 20
 
 
 def plan_drives(protocol: Protocol, loaded: LoadedSpec, numbering: Numbering, report: Report) -> DrivePlan:
@@ -93,6 +97,8 @@ def _jobs(
     """Every job on every drive; a drive that does not exist is a diagnostic."""
     spec = loaded.sections(DriveSections)
     known = {one.key for one in spec.placed()}
+    words = Vocabulary(known)
+    those = f"drives of this spec: {shortlist(sorted(known), _SHOWN)}" if known else ""
     by_key = {drive.key: drive for drive in drives}
     jobs: list[DriveJob] = []
     planner = DriveJobPlanner(loaded, resolvers, callers, recipes, numbering, report)
@@ -101,8 +107,7 @@ def _jobs(
         for index, name in enumerate(job.drive):
             place = loaded.span(("jobs", key, "drive") if len(job.drive) == 1 else ("jobs", key, "drive", index))
             if name not in known:
-                those = f"drives of this spec: {', '.join(sorted(known))}" if known else ""
-                hint = did_you_mean(name, known) or those or "the spec has no drive that can be read"
+                hint = did_you_mean(name, words) or those or "the spec has no drive that can be read"
                 report.add(Diagnostic("PG202", f'unknown drive "{name}"', place, help=hint))
             elif name in job.drive[:index]:
                 report.add(Diagnostic("PG202", f'drive "{name}" is named twice', place, help="name every drive once"))

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from plcgen.diagnostics import Diagnostic, Report, Severity
-from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.protocols.ds47 import guards
 from plcgen.protocols.ds47.device import Device, Parameter
@@ -35,6 +35,8 @@ class UseResolver:
         self.own = own
         self.report = report
         self.known = {**device.parameters, **own}
+        named = [(one.name, one) for one in reversed(self.known.values()) if one.name]
+        self._by_name, self._words = dict(named), Vocabulary(name for name, _ in reversed(named))
         self.unusable: set[int] = set()
         self.longest_name = V5_LIMIT if loaded.spec.plc.toolchain == "step7-v5" else TIA_LIMIT
 
@@ -121,10 +123,9 @@ class UseResolver:
     def _parameter(self, reference: Reference, given: str | None, path: SpecPath) -> Parameter | None:
         place: SpecPath = (*path, "parameter")
         if reference.pnu is None:
-            found = next((p for p in self.known.values() if p.name == reference.name), None)
+            found = self._by_name.get(reference.name)
             if found is None:
-                names = [p.name for p in self.known.values() if p.name]
-                hint = did_you_mean(reference.name, names) or "use its number, for example P50303"
+                hint = did_you_mean(reference.name, self._words) or "use its number, for example P50303"
                 self.problem("PG203", f'{self.device.title} has no parameter called "{reference.name}"', place, hint)
             return found
         if not 1 <= reference.pnu <= 0xFFFF:

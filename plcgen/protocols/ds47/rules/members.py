@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, Note, Span
 from plcgen.diagnostics.counting import shortlist
-from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.protocols.ds47.plan.fields import request_fields, response_fields
 from plcgen.protocols.ds47.references import parse_reference
 from plcgen.protocols.ds47.rules.places import member_span, parameter_span
@@ -170,12 +170,12 @@ def overrides(plan: DrivePlan) -> Iterator[Diagnostic]:
         for which, buffer in (("request", spec.request), ("response", spec.response)):
             if not buffer.members:
                 continue
-            generated = list(dict.fromkeys(name for t in job.telegrams for name in _generated(plan, job, t, which)))
-            known = set(generated)
+            known = dict.fromkeys(name for t in job.telegrams for name in _generated(plan, job, t, which))
+            generated = Vocabulary(known)
+            some = shortlist([*known], _SHOWN, ", ...")
             for old in buffer.members:
                 if old in known:
                     continue
-                some = shortlist(generated, _SHOWN, ", ...")
                 yield Diagnostic(
                     "PG408",
                     f'the {which} DB has no member "{old}"',

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from plcgen.diagnostics import Diagnostic, Report
-from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.diagnostics.counting import shortlist
+from plcgen.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.project.nouns import BlockRef, Buffer
 from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec, SpecPath
@@ -46,6 +47,9 @@ HARMLESS = Item.memory(Area.SM, 0)
 """SMB0: every S7-200 has it, and reading it changes nothing."""
 
 
+_SHOWN = 20
+
+
 @dataclass(slots=True)
 class JobPlanner:
     """Plans the jobs of one master; counts telegrams, items and values."""
@@ -62,6 +66,10 @@ class JobPlanner:
     items: int = 0
     values: int = 0
     found: list[PpiJob] = field(default_factory=list)
+    words: Vocabulary = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.words = Vocabulary(self.stations)
 
     def jobs(self) -> tuple[PpiJob, ...]:
         """Every job that can be planned."""
@@ -88,7 +96,10 @@ class JobPlanner:
         path: SpecPath = ("ppi", self.key, "jobs", key)
         station = self.stations.get(job.station)
         if station is None:
-            hint = did_you_mean(job.station, self.stations) or f"stations here: {', '.join(self.stations)}"
+            hint = (
+                did_you_mean(job.station, self.words)
+                or f"stations here: {shortlist(self.words.first(_SHOWN + 1), _SHOWN)}"
+            )
             message = f'unknown station "{job.station}"'
             self.report.add(Diagnostic("PG238", message, self.loaded.span((*path, "station")), help=hint))
             return None
