@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Sequence
@@ -160,6 +161,14 @@ def _unexpected(problem: Exception) -> int:
         traceback.print_exception(problem)
     if isinstance(problem, OSError) and problem.filename is not None:
         output.error_line(f"{problem.filename}: {problem.strerror or problem}")
+        return output.PROBLEMS
+    if isinstance(problem, OSError) and problem.errno in {errno.ENOSPC, errno.EDQUOT, errno.EIO}:
+        output.error_line(f"cannot write: {problem.strerror}")
+        output.abandon_stdout()
+        return output.PROBLEMS
+    if isinstance(problem, MemoryError):
+        output.error_line("the memory that this process may use ran out")
+        output.help_line("give it more, or split the input")
         return output.PROBLEMS
     detail = " ".join(str(problem).split())[:200]
     output.error_line(f"internal error: {type(problem).__name__}: {detail}", "PG902")

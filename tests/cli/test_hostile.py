@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
 import sys
 
 import pytest
@@ -137,3 +138,33 @@ def test_a_small_spec_is_refused_before_it_becomes_large(plcgen, tmp_path, monke
     assert result.err.count("PG307") + result.out.count("PG307") == 1
     assert "have more than 500 telegrams" in result.err + result.out
     assert "job.yaml:6:2" in result.err + result.out
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no such device")
+def test_a_full_disk_is_no_bug(tmp_path):
+    """Help that cannot be written: what is full is told, and nobody is asked for a report."""
+    with open("/dev/full", "w") as full:
+        args = [sys.executable, "-m", "plcgen", "--help"]
+        run = subprocess.run(args, stdout=full, stderr=subprocess.PIPE, text=True, cwd=tmp_path, check=False)
+    assert (run.returncode, "cannot write: No space left on device" in run.stderr) == (1, True)
+    assert "PG902" not in run.stderr
+
+
+def test_memory_that_ran_out_is_no_bug(plcgen, tmp_path, monkeypatch):
+    """What ran out is said, without exit code 70."""
+
+    def exhausted(*_args, **_options):
+        raise MemoryError
+
+    (tmp_path / "job.yaml").write_text(SPEC)
+    monkeypatch.setattr("plcgen.api.project.problems_of", exhausted)
+    result = plcgen("check", "job.yaml")
+    assert (result.code, "memory" in result.err, "PG902" in result.err) == (1, True, False)
+
+
+@pytest.mark.parametrize("value", ["{}", "{a: 1}", "[{}]", "[[]]", "x", "null", ".5"])
+def test_a_bit_of_a_station_with_a_wrong_value(plcgen, tmp_path, value):
+    """A diagnostic, no TypeError."""
+    (tmp_path / "x.yaml").write_text(f"cpu: 224\nvalues: {{M0.0: {value}}}\n")
+    result = plcgen("ppi", "serve", "--values", "x.yaml")
+    assert (result.code, "error[PG1" in result.err, "PG902" in result.err) == (1, True, False)
