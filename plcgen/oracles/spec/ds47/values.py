@@ -74,11 +74,22 @@ def sources_of(
 
 
 def start_of(parameter: WrittenParameter, start: Any, profile: Mapping[str, Any]) -> list[Number | str]:
-    """Start values of an input: those of the spec, else the factory setting, else zero."""
+    """Start values of an input: those of the spec, else the factory setting, else zero or the limit nearest to it."""
     given = parameter.facts.get("default") if start is None else start
     if given is None:
-        given = "" if string_octets(parameter.type) else 0
+        given = "" if string_octets(parameter.type) else nearest_to_zero(parameter.facts)
     return [number_meant(one, parameter, profile) for one in _spread(given, parameter.count)]
+
+
+def nearest_to_zero(facts: Mapping[str, Any]) -> Number:
+    """Zero, if the limits allow it."""
+    low, high = facts.get("min"), facts.get("max")
+    found: Number = 0
+    if low is not None and low > 0:
+        found = low
+    if high is not None and high < 0:
+        found = high
+    return found
 
 
 def _spread(given: Any, count: int) -> list[Any]:

@@ -34,7 +34,8 @@ def sequence_steps(job: JobReader) -> Iterator[StatedStep]:
             read = tuple(_named(job.reads(item), number, taken) for item in items)
             yield StatedStep("reads", read, number=number)
         else:
-            written = tuple(_supplied(a, number, taken) for a, _ in accesses(job, job.items(*below, "write")))
+            found = accesses(job, job.items(*below, "write"))
+            written = tuple(_supplied(access, name, number, taken) for access, name in found)
             once = any(access.number in TRIGGERS for access in written)
             yield StatedStep("writes", written, once=once, number=number)
 
@@ -45,10 +46,10 @@ def _named(access: StatedAccess, number: int, taken: set[str]) -> StatedAccess:
     return replace(access, output=name)
 
 
-def _supplied(access: StatedAccess, number: int, taken: set[str]) -> StatedAccess:
-    names = {value.name for value in access.values if isinstance(value, FromInput)}
-    if not names & taken:
-        taken |= names
+def _supplied(access: StatedAccess, name: str, number: int, taken: set[str]) -> StatedAccess:
+    """A parameter takes its name with or without an input."""
+    if name not in taken:
+        taken.add(name)
         return access
     named = (replace(v, name=f"{v.name}Step{number}") if isinstance(v, FromInput) else v for v in access.values)
     return replace(access, values=tuple(named))

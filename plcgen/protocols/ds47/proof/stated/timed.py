@@ -21,7 +21,7 @@ MARGIN_MS = 3000
 """How long before and behind the end of a wait between two saves a job is started; a minute is the shortest one."""
 MOST_OVER_MS = 3000
 """A record job that lasts 5 s longer than the timeout is given up (DRAIN_LIMIT)."""
-LATE_RETRY_MS = 15
+LATE_RETRY_MS = 30
 """How much longer than the pause it takes until WRREC has failed again, with scans of 1 ms."""
 MOST_QUESTIONS = 150
 
@@ -119,7 +119,7 @@ def limited_run(scene: Scene, number: int, late: int, answer: Answer) -> StatedR
     job, step = scene.job, scene.job.steps[number]
     rare = max(0, step.limit_ms // MOST_QUESTIONS - step.interval_ms)
     takes = min(rare, max(0, job.timeout_ms // 4 - TELEGRAM_MS))
-    idle = max(SCAN, min(step.interval_ms // 8, 250))
+    idle = max(SCAN, min(step.interval_ms // 8, 250, job.timeout_ms // 40))
     slack = SCANS_LATE * idle + 3 * takes
 
     def ends(run: StatedRun) -> None:
