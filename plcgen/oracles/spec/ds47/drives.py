@@ -34,7 +34,8 @@ class KnownDrive:
 
 def known_drives(source: SpecSource) -> dict[str, KnownDrive]:
     """All drives of a spec by their keys."""
-    found = {}
+    found: dict[str, KnownDrive] = {}
+    alone: dict[int | str, str] = {}  # drives of their own with one identifier are one unit, named after the first one
     for key, entry, settings, unit, way in _entries(source.data):
         name = str(settings.get("device"))
         if name not in source.profiles:
@@ -50,7 +51,7 @@ def known_drives(source: SpecSource) -> dict[str, KnownDrive]:
             output=output,
             drive_object=int(profile["drive_object"]["default"] if asked is None else asked),
             record=record,
-            unit=unit or f"{identifier}",
+            unit=unit or alone.setdefault(identifier, key),
             wait_ms=milliseconds(settings.get("wait"), WAIT_MS),
             by_size=(profile.get("answers") or {}).get("format") == "size",
             local=record == LOCAL,
@@ -65,7 +66,7 @@ def _entries(spec: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any], 
         yield str(key), entry, entry, "", ("drives", key)
     for unit, of_unit in (spec.get("units") or {}).items():
         for key, entry in of_unit["drives"].items():
-            yield str(key), entry or {}, of_unit, f"unit {unit}", ("units", unit, "drives", key)
+            yield str(key), entry or {}, of_unit, str(unit), ("units", unit, "drives", key)
 
 
 def _identifier(plc: Mapping[str, Any], entry: Mapping[str, Any]) -> tuple[int | str, bool]:

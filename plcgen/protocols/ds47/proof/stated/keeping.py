@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 
 from plcgen.cpu.program import Program
@@ -14,6 +15,10 @@ from plcgen.protocols.ds47.proof.stated.rig import StatedRig
 from plcgen.protocols.ds47.proof.stated.scene import Scene
 from plcgen.protocols.ds47.proof.stated.supply import Unique, sources
 from plcgen.protocols.ds47.proof.stated.timed import timed_runs
+from plcgen.s7.names import V5_LIMIT, pascal_case, shorten
+
+INSTANCE, CHANNEL = re.compile(r"DriveCalls\d*_DB"), "channel"
+"""Instances of the callers, and what the names of channels in them begin with (docs/generated-code.md)."""
 
 
 def jobs_kept(
@@ -28,6 +33,10 @@ def jobs_kept(
         missing = list(unreachable(rig, job)) or list(start_differences(rig, job))
         own += missing
         jobs += [] if missing else [job]
+    for place, difference in channel_differences(rig):
+        found[next((job.key for job in statement.jobs if job.drive.key == place), statement.jobs[0].key)].append(
+            difference
+        )
     unique, chosen = Unique(), firsts(jobs)
     every = [list(trials(rig, job, unique, first=job in chosen)) for job in jobs]
     for number in range(max(map(len, every), default=0)):
@@ -38,6 +47,24 @@ def jobs_kept(
             found[trial.job.key] += trial.differences
     run_scenes(rig, [job for job in chosen if not found[job.key]], unique, found)
     return found
+
+
+def channel_differences(rig: StatedRig) -> Iterator[tuple[str, Difference]]:
+    """What a channel is called with: how long a job may wait for its turn; by the key of a job of the unit."""
+    rig.cpu.scan()
+    waits: dict[str, int] = {}
+    for entry in rig.program.link.blocks.values():
+        if INSTANCE.fullmatch(entry.name) and entry.shape is not None:
+            names = [child.member.name for child in entry.shape.fields if child.member.name.startswith(CHANNEL)]
+            for name in names:
+                value = rig.cpu[f'"{entry.name}".{name}.waitLimit']
+                waits[name.upper()] = value if isinstance(value, int) else -1
+    for job in {job.drive.unit: job for job in reversed(rig.statement.jobs)}.values():
+        drive = job.drive
+        name = f"{CHANNEL}{pascal_case(drive.unit)}"
+        found = waits.get(name.upper(), waits.get(shorten(name, V5_LIMIT).upper()))
+        if found != drive.wait_ms:
+            yield job.key, Difference(drive.place, f"{name} waits for {drive.wait_ms} ms", f"{found}")
 
 
 def firsts(jobs: Sequence[StatedJob]) -> list[StatedJob]:
