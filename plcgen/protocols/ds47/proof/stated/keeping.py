@@ -11,7 +11,7 @@ from plcgen.oracles.spec.ds47.statement import FromInput, FromRecord, StatedJob,
 from plcgen.protocols.ds47.proof.stated.failing import failing_runs
 from plcgen.protocols.ds47.proof.stated.nominal import trials
 from plcgen.protocols.ds47.proof.stated.outputs import delivered_records, start_difference
-from plcgen.protocols.ds47.proof.stated.rig import StatedRig
+from plcgen.protocols.ds47.proof.stated.rig import PLACES, StatedRig
 from plcgen.protocols.ds47.proof.stated.scene import Scene
 from plcgen.protocols.ds47.proof.stated.supply import Unique, sources
 from plcgen.protocols.ds47.proof.stated.timed import timed_runs
@@ -19,6 +19,9 @@ from plcgen.s7.names import V5_LIMIT, pascal_case, shorten
 
 INSTANCE, CHANNEL = re.compile(r"DriveCalls\d*_DB"), "channel"
 """Instances of the callers, and what the names of channels in them begin with (docs/generated-code.md)."""
+
+
+MANY = 30
 
 
 def jobs_kept(
@@ -42,10 +45,11 @@ def jobs_kept(
     for number in range(max(map(len, every), default=0)):
         rig.restart()
         now = [own[number] for own in every if number < len(own)]
-        rig.run([trial.run() for trial in now])
+        waits = any(step.until for trial in now for step in trial.job.steps)
+        rig.run([trial.run() for trial in now], PLACES if waits else None)
         for trial in now:
             found[trial.job.key] += trial.differences
-    run_scenes(rig, [job for job in chosen if not found[job.key]], unique, found)
+    run_scenes(rig, [job for job in unlike(chosen) if not found[job.key]], unique, found)
     return found
 
 
@@ -78,13 +82,25 @@ def firsts(jobs: Sequence[StatedJob]) -> list[StatedJob]:
     return found
 
 
+def unlike(jobs: Sequence[StatedJob]) -> Sequence[StatedJob]:
+    """All jobs, or if they are many one of those that do the same for as long."""
+    if len(jobs) <= MANY:
+        return jobs
+    alike: dict[object, StatedJob] = {}
+    for job in jobs:
+        steps = tuple((step.title, step.limit_ms, step.interval_ms, step.once) for step in job.steps)
+        times = (job.timeout_ms, job.pause_ms, job.retries, job.wear_ms, job.tries)
+        alike.setdefault((job.kind, steps, times, job.restore, job.recipe), job)
+    return list(alike.values())
+
+
 def run_scenes(rig: StatedRig, jobs: Sequence[StatedJob], unique: Unique, found: dict[str, list[Difference]]) -> None:
     """Times, counts and failures of every job."""
     scenes = [Scene(rig, job, unique) for job in jobs]
     every = [[*timed_runs(scene), *failing_runs(scene)] for scene in scenes]
     for number in range(max(map(len, every), default=0)):
         rig.restart()
-        rig.run([run for own in every if number < len(own) for run in own[number]])
+        rig.run([run for own in every if number < len(own) for run in own[number]], PLACES)
     for scene in scenes:
         found[scene.job.key] += scene.found
 

@@ -28,6 +28,8 @@ FINE = 10
 """So many scans at least are in an interval."""
 SPARE_MS = 30_000
 """How much longer than its own times a job may take before it counts as hung."""
+PLACES = 4
+"""So many record jobs run at once in the smallest CPU: when times are measured, nobody waits for a place."""
 DONE = 0
 
 
@@ -180,14 +182,14 @@ class StatedRig:
 
     # --- running --------------------------------------------------------------------------------------
 
-    def run(self, runs: Sequence[StatedRun]) -> None:
-        """All runs: those of one unit one after the other."""
+    def run(self, runs: Sequence[StatedRun], units: int | None = None) -> None:
+        """All runs: those of one unit one after the other, so many ``units`` at the same time."""
         waiting: dict[str, list[StatedRun]] = {}
         for run in runs:
             waiting.setdefault(run.job.drive.unit, []).append(run)
         heard = self.cpu.clock
         while waiting or self.going:
-            heard = self._begin_due(waiting) or heard
+            heard = self._begin_due(waiting, units) or heard
             self.cpu.scan(self._length(waiting, heard))
             if any(d.calls and d.calls[-1][0] >= self.cpu.clock - SCAN for d in self.units.values()):
                 heard = self.cpu.clock
@@ -196,11 +198,11 @@ class StatedRig:
                     del self.going[unit]
                     heard = self.cpu.clock
 
-    def _begin_due(self, waiting: dict[str, list[StatedRun]]) -> int:
+    def _begin_due(self, waiting: dict[str, list[StatedRun]], units: int | None) -> int:
         """Start the next run of every unit that is free; when the last one was started."""
         begun = 0
         for unit in [unit for unit in waiting if unit not in self.going]:
-            if waiting[unit][0].due() > self.cpu.clock:
+            if waiting[unit][0].due() > self.cpu.clock or (units is not None and len(self.going) >= units):
                 continue
             self.going[unit] = waiting[unit].pop(0)
             if not waiting[unit]:
@@ -217,8 +219,9 @@ class StatedRig:
         if self.cpu.clock - heard <= QUIET:
             return SCAN
         idle = [run.idle() or idle_scan(run.job) for run in self.going.values()]
-        left = [own[0].due() - self.cpu.clock for unit, own in waiting.items() if unit not in self.going]
-        return max(1, min(LONGEST_SCAN, *idle, *left))
+        due = [own[0].due() for unit, own in waiting.items() if unit not in self.going]
+        left = [at - self.cpu.clock for at in due if at > self.cpu.clock]  # the others wait for a place among the units
+        return max(1, min([LONGEST_SCAN, *idle, *left]))
 
     def _delay(self, identifier: int, kind: str) -> int | None:
         for run in self.going.values():
