@@ -8,16 +8,18 @@ from collections.abc import Mapping, Sequence
 
 from plcgen.oracles.spec.ds47.course import Supplied
 from plcgen.oracles.spec.ds47.statement import FromInput, Number, StatedCondition, StatedStep
-from plcgen.oracles.spec.ds47.types import is_float, packed, size_of, unpacked
+from plcgen.oracles.spec.ds47.types import is_float, is_signed, packed, size_of, unpacked
 
 Answer = Mapping[tuple[int, int], Number]
 """Values by number and subindex."""
-ALL_BITS = 0xFFFF_FFFF
+FAR_MET, FAR_MISSED = 2, 3
+"""Farther than the nearest value: how a condition is met or missed."""
+LARGE = 1.0e30
 
 
-def meeting(step: StatedStep, supplied: Supplied) -> Answer:
-    """The answer that just meets every condition."""
-    return _answer(step, supplied, step.until, ())
+def meeting(step: StatedStep, supplied: Supplied, *, far: bool = False) -> Answer:
+    """The answer that just meets every condition; ``far``: with the lowest or highest values that meet it."""
+    return _answer(step, supplied, step.until, (), FAR_MET if far else 0)
 
 
 def failing(step: StatedStep, supplied: Supplied) -> Sequence[Answer]:
@@ -30,21 +32,27 @@ def failing(step: StatedStep, supplied: Supplied) -> Sequence[Answer]:
 
 
 def sides(condition: StatedCondition) -> Sequence[int]:
-    """In which directions the condition can be missed."""
-    return (1, -1) if condition.bit is None and condition.relation == "=" else (1,)
+    """In which directions, and how far, the condition can be missed."""
+    if condition.bit is not None or condition.relation == "<>":
+        return (1,)
+    return (1, -1) if condition.relation == "=" else (1, FAR_MISSED)
 
 
 def _answer(
-    step: StatedStep, supplied: Supplied, met: Sequence[StatedCondition], missed: Sequence[tuple[StatedCondition, int]]
+    step: StatedStep,
+    supplied: Supplied,
+    met: Sequence[StatedCondition],
+    missed: Sequence[tuple[StatedCondition, int]],
+    how: int = 0,
 ) -> Answer:
     answer: dict[tuple[int, int], Number] = {}
     bits: dict[tuple[int, int], dict[int, int]] = {}
-    for condition, side in [*((one, 0) for one in met), *missed]:
+    for condition, side in [*((one, how) for one in met), *missed]:
         access = step.accesses[condition.access]
         place = access.number, access.index + condition.element
         wanted = wanted_number(condition, supplied)
         if condition.bit is not None:
-            bits.setdefault(place, {})[condition.bit] = int(wanted) ^ (side != 0)
+            bits.setdefault(place, {})[condition.bit] = int(wanted) ^ (side not in {0, FAR_MET})
         else:
             answer[place] = beside(access.type, condition.relation, wanted, side)
     for place, asked in bits.items():
@@ -64,9 +72,23 @@ def wanted_number(condition: StatedCondition, supplied: Supplied) -> Number:
 
 
 def beside(type_: str, relation: str, wanted: Number, side: int) -> Number:
-    """The nearest value that meets (``side`` 0) or misses the comparison."""
+    """The nearest value that meets (``side`` 0) or misses the comparison, or the one that is farthest from it."""
+    if side in {FAR_MET, FAR_MISSED}:
+        if relation not in {"<", "<=", ">", ">="}:
+            return beside(type_, relation, wanted, 0)
+        return extreme(type_, low=relation.startswith("<") == (side == FAR_MET))
     shift = {"=": side, "<>": int(not side), "<": side - 1, "<=": side, ">": 1 - side, ">=": -side}[relation]
     return nearest(type_, wanted, shift)
+
+
+def extreme(type_: str, *, low: bool) -> Number:
+    """The lowest or highest number of a type; of floating-point numbers a large one."""
+    bits = 8 * size_of(type_)
+    if is_float(type_):
+        return -LARGE if low else LARGE
+    if is_signed(type_):
+        return -(1 << (bits - 1)) if low else (1 << (bits - 1)) - 1
+    return 0 if low else (1 << bits) - 1
 
 
 def nearest(type_: str, value: Number, shift: int) -> Number:

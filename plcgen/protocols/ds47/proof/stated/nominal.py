@@ -44,7 +44,8 @@ class NominalRun:
     beside: int = 1
     """Of a job that compares: how many units what the drive has is beside what is wanted."""
     record: int = 1
-    state: str = "state"
+    far: bool = False
+    """Whether conditions are met by the lowest or highest values."""
     differences: list[Difference] = field(default_factory=list)
 
     def run(self) -> StatedRun:
@@ -78,7 +79,7 @@ class NominalRun:
             if not self.job.steps[step].until:
                 return None
             missed = self.no.get(step, ())
-            return missed[question] if question < len(missed) else meeting(self.job.steps[step], supplied)
+            return missed[question] if question < len(missed) else meeting(self.job.steps[step], supplied, far=self.far)
 
         return said
 
@@ -180,6 +181,8 @@ def trials(rig: StatedRig, job: StatedJob, unique: Unique, *, first: bool) -> It
     yield NominalRun(rig, job, supply, no=chunks[0] if chunks else {}, record=min(2, max(1, job.records)))
     if not first:
         return
+    if any(condition.relation not in {"=", "<>"} for step in job.steps for condition in step.until):
+        yield NominalRun(rig, job, supply, far=True)
     for missed in chunks[1:]:
         yield NominalRun(rig, job, supply, no=missed)
     if job.kind in {"compare", "compare_recipe"}:

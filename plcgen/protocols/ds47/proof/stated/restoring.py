@@ -142,11 +142,13 @@ class Failing:
 
 
 def turned(access: StatedAccess, data: bytes, units: int = 0) -> bytes:
-    """Another value than the one that was written."""
+    """Another value than the one that was written; ``units`` on, yet another one."""
     if access.bits:
-        return (int.from_bytes(data) ^ 1 << access.bits[0][0]).to_bytes(len(data))
+        own = [bit for bit, _ in access.bits]
+        other = next(bit for bit in range(8 * len(data)) if bit not in own)
+        return (int.from_bytes(data) ^ 1 << (other if units else own[0])).to_bytes(len(data))
     if access.string:
-        return bytes((data[0] ^ 1,))
+        return bytes((data[0] ^ (2 if units else 1),))
     step = units or (2 if is_float(access.type) else 1)
     return packed(access.type, nearest(access.type, unpacked(access.type, data), step))
 
