@@ -29,8 +29,8 @@ def trial(spec: str, out: str) -> tuple[str, str]:
 
 
 def _first(problems: object) -> str:
-    errors = [str(each) for each in problems if each.severity.label == "error"]  # type: ignore[attr-defined]
-    return " ".join(errors[0].split()) if errors else "an error"
+    errors = (f"{each.code} {each.message}" for each in problems if each.severity.label == "error")  # type: ignore[attr-defined]
+    return next(errors, "an error")
 
 
 if __name__ == "__main__":

@@ -171,6 +171,14 @@ def instruction_versions() -> InstructionVersions:
 
 
 @cache
+def s7_types(family: str) -> Mapping[str, str]:
+    """S7 type by type of data set 47, for a CPU family; what is missing is bytes."""
+    table = _read("values.toml")
+    parts = ("classic",) if family in {"s7-300", "s7-400"} else ("new", family)
+    return {name: s7 for part in parts for s7, names in table.get(part, {}).items() for name in names}
+
+
+@cache
 def codes_alike() -> tuple[tuple[frozenset[int], str], ...]:
     """Codes of one type, and who says so: which of them a drive answers depends on its firmware."""
     return tuple((frozenset(row["codes"]), row["source"]) for row in _read("telegrams.toml")["alike"])

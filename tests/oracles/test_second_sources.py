@@ -127,6 +127,18 @@ def test_versions_that_documents_contradict(tmp_path: Path, file: str, old: str,
     assert own["versions.instructions"] is Outcome.OK
 
 
+def test_a_number_that_is_held_as_something_else(plan: DrivePlan, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An Unsigned32 is a UDINT on an S7-1500, a DWORD on an S7-300; 64 bits are numbers on an S7-1500 only."""
+    assert facts(plan)["types.s7"].outcome is Outcome.OK
+    assert [documents.s7_types(one)["Unsigned32"] for one in ("s7-300", "s7-1200")] == ["DWORD", "UDINT"]
+    assert [documents.s7_types(one).get("Integer64") for one in ("s7-1500", "s7-1200")] == ["LINT", None]
+    wrong = {**documents.s7_types("s7-1500"), "Unsigned32": "DINT"}
+    monkeypatch.setattr(second, "s7_types", lambda _family: wrong)
+    found = facts(plan)["types.s7"]
+    assert found.outcome is Outcome.ERROR
+    assert found.verdict == "Unsigned32 is held as UDINT here, as DINT by its size and sign"
+
+
 def test_published_sources_and_codes(plan: DrivePlan, monkeypatch: pytest.MonkeyPatch) -> None:
     """Values of BICO sources, and the two codes of a TimeDifference, each as printed."""
     found = {check.id: check for check in published.published_checks(plan)}

@@ -14,7 +14,7 @@ from mutation.beliefs.__main__ import failures
 from mutation.beliefs.run import Outcome, tried
 from mutation.beliefs.tables import Break, breaks, names
 
-FLOOR = 4
+FLOOR = 8
 """So many breaks of the sample there are at least, all of them noticed or with a reason why not."""
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, has_errors
+from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span, has_errors
 from plcgen.diagnostics.counting import quantity
 from plcgen.oracles import profidrive
 from plcgen.oracles.documents import (
@@ -21,11 +21,13 @@ from plcgen.oracles.documents import (
     device,
     documented_limits,
     documented_types,
+    s7_types,
 )
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.proof.making import Pending
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedDrive, Use
+from plcgen.protocols.ds47.plan.types import element_type
 from plcgen.protocols.ds47.proof.exchanges import ExchangeError, sound_image, talk, telegram_name
 from plcgen.protocols.ds47.sim.bench import build_drive
 from plcgen.protocols.ds47.sim.drive import Drive
@@ -61,6 +63,8 @@ def fact_checks(plan: DrivePlan) -> Iterator[Check]:
             yield _agreement(id_, subject, text, "as documents say", list(_address(plan, drive, said)))
     for key, pairs in asked.items():
         yield _type_check(plan, key, pairs)
+    if asked:
+        yield _s7_check(plan, [use for pairs in asked.values() for _, use in pairs])
 
 
 def _type_check(plan: DrivePlan, key: str, pairs: Sequence[tuple[PlannedDrive, Use]]) -> Check:
@@ -84,6 +88,20 @@ def _type_check(plan: DrivePlan, key: str, pairs: Sequence[tuple[PlannedDrive, U
         verdict += f"; one source: {', '.join(shown[:_SHOWN])}{', ..' if len(shown) > _SHOWN else ''}"
     text = "; ".join(dict.fromkeys(one.source for one in second.values()))
     return _agreement(id_, subject, text, verdict, wrong)
+
+
+def _s7_check(plan: DrivePlan, uses: Sequence[Use]) -> Check:
+    """The S7 types that hold the values."""
+    known = s7_types(plan.target.family)
+    here = {use.format.name: element_type(use.format, plan.target) for use in uses}
+    wrong = []
+    for name, held in here.items():
+        found, said = held.name if held is not None else "bytes", known.get(name, "bytes")
+        if found != said:
+            wrong.append(
+                Diagnostic("PG640", f"{name} is held as {found} here, as {said} by its size and sign", Span(""))
+            )
+    return _agreement("types.s7", "types of the S7", "", f"{quantity(len(here), 'type')} by size and sign", wrong)
 
 
 def _agreement(id_: str, subject: str, text: str, verdict: str, wrong: Sequence[Diagnostic]) -> Check:
