@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -140,10 +141,10 @@ def test_a_small_spec_is_refused_before_it_becomes_large(plcgen, tmp_path, monke
     assert "job.yaml:6:2" in result.err + result.out
 
 
-@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no such device")
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no such device")
 def test_a_full_disk_is_no_bug(tmp_path):
     """Help that cannot be written: what is full is told, and nobody is asked for a report."""
-    with open("/dev/full", "w") as full:
+    with Path("/dev/full").open("w") as full:
         args = [sys.executable, "-m", "plcgen", "--help"]
         run = subprocess.run(args, stdout=full, stderr=subprocess.PIPE, text=True, cwd=tmp_path, check=False)
     assert (run.returncode, "cannot write: No space left on device" in run.stderr) == (1, True)
