@@ -13,6 +13,7 @@ from types import MappingProxyType
 
 from plcgen.project.nouns import PlannedJob
 from plcgen.proof.wording.model import GuideLine, Shown, agrees, stated_facts
+from plcgen.protocols.ds47.kinds.registry import kind_called
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.proof.wording import guide
 from plcgen.protocols.ds47.proof.wording.meanings import (
@@ -230,6 +231,9 @@ class DriveWording:
         if job.messages is not None:
             history = " and their history" if len(job.messages.settings.latest_last) > 1 else ""
             return frozenset({f"Read the {job.kind} that are present{history}"})
+        own = None if job.kind in _KINDS or job.kind in _TITLES else kind_called(job.kind).title
+        if own is not None:  # a kind of another distribution says itself what it is called
+            return frozenset({own(getattr(self.plan.entry(job), job.kind))})
         return frozenset(_TITLES.get(job.kind, (self._what(job),)))
 
     def _what(self, job: DriveJob) -> str:
@@ -243,7 +247,7 @@ class DriveWording:
         what = first_labels([called[use.position] for use in uses])
         if job.recipe is not None:
             what = f"recipe {job.recipe.key}"
-        return f"{_KINDS.get(job.kind, job.kind)}{' and read back' if job.verified else ''} {what}{then}"
+        return f"{_KINDS.get(job.kind, job.kind.capitalize())}{' and read back' if job.verified else ''} {what}{then}"
 
     # ---- lines at the head of a block
 
