@@ -57,16 +57,17 @@ class Copy:
         path.rename(kept)
         try:
             path.write_text(one.broken(before), "utf-8", newline="")
-            return next((found for found in map(self.try_spec, one.specs) if found.noticed), Outcome(GREEN, ""))
+            ended = (self.try_spec(text, "none", "quick") for text in one.specs)
+            return next((found for found in ended if found.noticed), Outcome(GREEN, ""))
         finally:
             kept.replace(path)
 
-    def try_spec(self, text: str) -> Outcome:
-        """Generate and verify a spec with this copy as it is."""
+    def try_spec(self, text: str, *levels: str) -> Outcome:
+        """Generate and verify a spec with this copy as it is, at one level of faults after the other."""
         with tempfile.TemporaryDirectory(dir=self.folder) as name:
             spec = Path(name) / "spec.yaml"
             spec.write_text(text, "utf-8")
-            command = [sys.executable, str(TRIAL), str(spec), str(Path(name) / "out")]
+            command = [sys.executable, str(TRIAL), str(spec), str(Path(name) / "out"), *levels]
             clean = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
             try:
                 done = subprocess.run(  # noqa: S603 - this interpreter with a script of ours
@@ -113,7 +114,7 @@ def tried(
                 free.put(copy)
 
         texts = dict.fromkeys(text for one in work for text in one.specs)
-        plain = pool.map(lambda text: borrowed(lambda copy: copy.try_spec(text)), texts)
+        plain = pool.map(lambda text: borrowed(lambda copy: copy.try_spec(text, "quick")), texts)
         for text, found in zip(texts, plain, strict=True):
             if found.noticed:
                 raise ValueError(f"red without a break: {found.said}\n{text}")

@@ -1,4 +1,4 @@
-"""Generate and verify a spec with the plcgen of a folder: ``python trial.py SPEC OUT`` prints how that ended.
+"""Generate and verify a spec with the plcgen of a folder: ``python trial.py SPEC OUT LEVEL..`` prints how that ended.
 
 It runs on its own in the folder of a damaged copy, so it imports nothing but that copy. The cheap parts come first:
 most breaks show before anything is executed.
@@ -14,14 +14,14 @@ from pathlib import Path
 REFUSED, NOTICED, GREEN = "refused", "noticed", "green"
 
 
-def trial(spec: str, out: str) -> tuple[str, str]:
-    """How it ended, and the first thing that was said."""
+def trial(spec: str, out: str, *levels: str) -> tuple[str, str]:
+    """How it ended, and the first thing that was said; ``levels`` are how much runs, one after the other."""
     from plcgen import api
 
     made = api.generate(spec, out)
     if not made.ok:
         return REFUSED, _first(made.diagnostics)
-    for level in ("none", "quick"):
+    for level in levels:
         found = api.verify(spec, out, faults=level)
         if not found.ok:
             return NOTICED, _first(found.problems)
@@ -36,4 +36,4 @@ def _first(problems: object) -> str:
 if __name__ == "__main__":
     sys.path.insert(0, str(Path.cwd()))
     os.cpu_count = lambda: 1  # one process for each break: the runner of the breaks uses the cores
-    sys.stdout.write(json.dumps(trial(sys.argv[1], sys.argv[2])) + "\n")
+    sys.stdout.write(json.dumps(trial(*sys.argv[1:])) + "\n")

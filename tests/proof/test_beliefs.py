@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from projects import ROOT
@@ -13,8 +14,10 @@ sys.path.insert(0, str(ROOT))
 from mutation.beliefs.__main__ import failures
 from mutation.beliefs.run import Outcome, tried
 from mutation.beliefs.tables import Break, breaks, names
+from plcgen import api
+from plcgen.diagnostics import Diagnostic, Severity
 
-FLOOR = 8
+FLOOR = 16
 """So many breaks of the sample there are at least, all of them noticed or with a reason why not."""
 
 
@@ -22,6 +25,20 @@ def test_every_break_is_in_its_file() -> None:
     """What a table replaces stands once in the file that it names, and no two breaks have one id."""
     found = list(breaks(names()))
     assert len({one.id for one in found}) == len(found)
+
+
+def test_every_spec_of_the_tables_is_accepted(tmp_path: Path) -> None:
+    """A spec that ``check`` refuses would notice everything; that it verifies is looked at before each run."""
+    texts = dict.fromkeys(text for one in breaks(names()) for text in one.specs)
+    refused = []
+    for text in texts:
+        (tmp_path / "spec.yaml").write_text(text, "utf-8")
+        refused += [f"{text[:40]} {each.code} {each.message}" for each in _errors(tmp_path / "spec.yaml")]
+    assert refused == []
+
+
+def _errors(spec: Path) -> list[Diagnostic]:
+    return [each for each in api.check(spec).diagnostics if each.severity is Severity.ERROR]
 
 
 def test_a_table_that_is_out_of_date_fails() -> None:
