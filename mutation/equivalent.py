@@ -150,6 +150,9 @@ EQUIVALENT = {
     r"^ppi_cp341: (< -> <=|0 -> 1): IF tempElapsed < 0 THEN": (
         "0 and 2147483648 are -2147483648 in a DINT, which is before the end of every time, as 0 is"
     ),
+    r"^ppi_\w+: (dropped: statResume := STATE_POLL \(1\)|(dropped|L#0 -> L#1|0 -> 1): statPause := L?#?0;? \(1\))$": (
+        "a message takes two calls at least: one that comes in the first scan of POLL follows a pause, which is over"
+    ),
     r"^\w+: 1 -> 2: statReference := 1;": "any reference will do that is neither 0 nor the one before",
     r"^\w+: \+ -> -: (statSend\[4\]|\"MPpi_Buffer\"\.send\[5\]) := WORD_TO_BYTE\(.* \(1\)$": (
         "the own address is 0 here, and so is what is added; with another one the poll is damaged"

@@ -16,6 +16,8 @@ from plcgen.s7.layout import layout_block
 from plcgen.s7.literals import LiteralError
 from plcgen.s7.types import Member, inner_members
 
+EMPTY = "every signal of every job is a flag"
+"""What stands at the only member of a control DB in which no job has anything."""
 _REMARK = re.compile(r"^(.*?)//(.*)$", re.MULTILINE)
 _ASSIGNED = re.compile(r"\s*(?P<path>[\w.\[\],\"]+) := .*?;(?:\s*// (?P<text>.*))?")
 MAX_SOURCE = 16 * 1024 * 1024

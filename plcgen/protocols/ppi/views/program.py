@@ -30,7 +30,7 @@ RECEIVE_LAST = MAX_BYTES + 23
 SEND_BYTES = 256
 MODULES = {"cm1241": "CM 1241", "cb1241": "CB 1241", "cm-ptp": "CM PtP", "cp341": "CP 341"}
 BAUD_CODES = {9600: 6, 19200: 7}
-_FORMATS = {"REAL": "FloatingPoint", "BOOL": "Bool", "BYTE": "Hex", "WORD": "Hex", "DWORD": "Hex"}
+_FORMATS = {"REAL": "FloatingPoint", "BOOL": "Bool", "CHAR": "Character", "BYTE": "Hex", "WORD": "Hex", "DWORD": "Hex"}
 """Display format of a value in a watch table, by type."""
 SERVICES = {"run": Function.PI_SERVICE, "stop": Function.STOP}
 VERBS = {"read": "Read", "write": "Write", "run": "Switch to RUN", "stop": "Switch to STOP"}

@@ -12,6 +12,7 @@ from functools import cached_property
 from types import MappingProxyType
 
 from plcgen.project.nouns import PlannedJob
+from plcgen.proof.wording.comments import EMPTY
 from plcgen.proof.wording.model import GuideLine, Shown, agrees, stated_facts
 from plcgen.protocols.ds47.kinds.registry import kind_called
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
@@ -153,7 +154,7 @@ class DriveWording:
     def _command(self, path: Sequence[str]) -> frozenset[str] | None:
         job = next((job for job in self.plan.jobs if job.member == path[0]), None)
         if job is None:
-            return None
+            return frozenset({EMPTY}) if list(path) == ["unused"] else None
         if len(path) == 1:
             return self.called(job)
         return self._of_job(job, path[1], "control")

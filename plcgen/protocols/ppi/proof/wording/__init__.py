@@ -12,6 +12,7 @@ from functools import cached_property
 from types import MappingProxyType
 
 from plcgen.project.nouns import PlannedJob
+from plcgen.proof.wording.comments import EMPTY
 from plcgen.proof.wording.model import GuideLine, Shown, agrees, unmarked
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue
 from plcgen.protocols.ppi.proof.wording import guide
@@ -118,7 +119,7 @@ class PpiWording:
     def _command(self, path: Sequence[str]) -> frozenset[str] | None:
         found = next((pair for pair in self.all_jobs if self.plan.member(*pair) == path[0]), None)
         if found is None:
-            return None
+            return frozenset({EMPTY}) if list(path) == ["unused"] else None
         job = found[1]
         if len(path) == 1:
             return self.called(job)
