@@ -152,7 +152,7 @@ def _words_of(project: Project) -> Same:
         return found
 
     def same(text: str, document: str) -> bool:
-        if text.strip() == document.strip() or not (english or document):
+        if text.split() == document.split() or not (english or document):
             return True
         return bool(said) and meant(text) == meant(document)
 

@@ -15,6 +15,12 @@ import pytest
 from projects import generated_example
 from proof.damaging import Edit, damaged, findings
 
+from plcgen import api
+from plcgen.project.opening import open_spec
+from plcgen.proof.checks import Outcome
+from plcgen.proof.delivery import delivered
+from plcgen.proof.folder import read_folder
+
 ROWS: dict[tuple[str, str], list[Edit]] = {}
 for example, table in tomllib.loads((Path(__file__).parent / "damages.toml").read_text("utf-8")).items():
     for what, *rest in table["rows"]:
@@ -55,3 +61,36 @@ def test_damage_is_noticed(example: str, what: str, copies: Path) -> None:
     folder = copied(copies, example)
     with damaged(folder, ROWS[example, what], "cp1252" if example == "s7-300_mm440_dp" else "utf-8"):
         assert findings(example, folder)
+
+
+ODD = """
+plc: {name: "A|B <b> & C_d *e* `f`", family: %s, toolchain: %s, languages: [%s]}
+drives:
+  pump: {device: sinamics-g120, %s, comment: {en-US: "a <i> & b"}}
+jobs:
+  set_ramps:
+    drive: pump
+    write:
+      P1120: {value: 5.0, comment: {en-US: "up | <b>fast</b> & 16#80nn 5 s", de-DE: "hoch | <b>schnell</b> 7 s"}}
+      P1121: null
+    comment: {en-US: "Set *both* <ramp> | times; P1120 'x' // (* y *) 5%%", de-DE: "Setze 3 {Rampen}"}
+    trigger: {execute: M10.0, status: '"Plant".startRamps[1].x'}
+  stop_it: {drive: pump, write: {P1121: 3.0}, on_error: restore, verify: readback}
+"""
+
+
+@pytest.mark.parametrize("languages", ["en-US, de-DE", "de-DE, en-US", "zh-CN, de-DE", "fr-FR"])
+@pytest.mark.parametrize(
+    ("family", "toolchain", "address"),
+    [("s7-1500", "tia-v19", "hardware_id: 'pump~Drive_1'"), ("s7-300", "step7-v5", "address: 256")],
+)
+def test_texts_of_the_spec_are_no_damage(
+    family: str, toolchain: str, address: str, languages: str, tmp_path: Path
+) -> None:
+    """Marks, numbers of their own in each language, names of a program: all may be said."""
+    spec = tmp_path / "job.yaml"
+    spec.write_text(ODD % (family, toolchain, languages, address), "utf-8")
+    assert api.generate(spec, tmp_path / "out").ok
+    project = open_spec(spec).sound()
+    checks = delivered(project, read_folder(tmp_path / "out", project.target))
+    assert [check.verdict for check in checks if check.outcome is Outcome.ERROR] == []

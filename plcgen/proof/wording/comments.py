@@ -31,7 +31,7 @@ def check_block(block: Block, folder: Folder, stated: Wording, *, english: bool)
     if titles is None:
         return
     place = block.span or folder.place(block.name)
-    if not agrees(block.title, titles, english=english, title=True):
+    if not agrees(block.title, titles, english=english):
         yield _wrong(block, f'its title is "{block.title}"', titles, place)
     yield from (Diagnostic("PG614", f'{block.kind} "{block.name}": {said}', place) for said in stated.head(block))
     offsets = _offsets(block, folder)

@@ -11,7 +11,7 @@ from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.project.nouns import Project
 from plcgen.proof.folder import Folder
 from plcgen.proof.wording.guides import CULTURES, cultures
-from plcgen.proof.wording.model import Wording, stated_facts, unmarked, untitled
+from plcgen.proof.wording.model import Wording, states, unmarked, untitled
 from plcgen.simaticml.reading.xml import child, children, load, local, parse_xml, span, text
 
 if TYPE_CHECKING:
@@ -111,16 +111,11 @@ def _texts(
         if not name.startswith("en") and not _alike(base, line) and not _own(base, line, name, comments):
             yield Diagnostic("PG614", f'{name} says "{line}", English "{base}"', place)
     for comment in comments if base else ():
-        english = next((line for name, line in comment.items() if name.startswith("en")), "")
-        if not english or not _holds(base, english):
+        if not _holds(base, _english(comment)):
             continue
         for name, line in spoken_:
-            if name in comment and untitled(comment[name]) not in untitled(line):
-                known = any(
-                    _holds(base, other.get("en-US", "\0")) and other.get(name, "\0") in line for other in comments
-                )
-                if not known:
-                    yield Diagnostic("PG614", f'{name} says "{line}", the spec "{comment[name]}"', place)
+            if name in comment and not _own(base, line, name, comments):
+                yield Diagnostic("PG614", f'{name} says "{line}", the spec "{comment[name]}"', place)
 
 
 def _alike(base: str, line: str) -> bool:
@@ -128,8 +123,7 @@ def _alike(base: str, line: str) -> bool:
 
     One that says less is what the parameter is called, where only the English text says more.
     """
-    english, other = stated_facts(base), stated_facts(line)
-    return english <= other or (bool(_PARAMETERS.findall(line)) and other <= english)
+    return states(line, base) or (bool(_PARAMETERS.findall(line)) and states(base, line))
 
 
 def _holds(whole: str, part: str) -> bool:
@@ -143,9 +137,14 @@ def _holds(whole: str, part: str) -> bool:
     )
 
 
+def _english(comment: Mapping[str, str]) -> str:
+    return next((line for name, line in comment.items() if name.startswith("en")), "")
+
+
 def _own(base: str, line: str, name: str, comments: Comments) -> bool:
     """Whether the spec says so in this language: it may say other numbers there."""
-    return any(comment.get(name, "\0") in line and _holds(base, comment.get("en-US", "")) for comment in comments)
+    said = untitled(line)
+    return any(untitled(own) in said and _holds(base, _english(one)) for one in comments if (own := one.get(name, "")))
 
 
 def _attributes(path: Path, element: Element, tag: str) -> Iterator[Diagnostic]:

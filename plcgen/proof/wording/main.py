@@ -24,7 +24,7 @@ def check_main(project: Project, folder: Folder, stated: Sequence[Wording], bloc
     english = project.languages[0].startswith("en")
     jobs = stated[0].jobs_called if len(stated) == 1 else "jobs"
     title = f"Example: calls of all {jobs}"
-    if not agrees(block.title, frozenset({title}), english=english, title=True):
+    if not agrees(block.title, frozenset({title}), english=english):
         yield f'its title is "{block.title}", not "{title}"'
     version, family = block.attributes.get("VERSION", VERSION).strip("'"), block.attributes.get("FAMILY", "")
     if version != VERSION or family != stated[0].family:
@@ -36,7 +36,7 @@ def check_main(project: Project, folder: Folder, stated: Sequence[Wording], bloc
     titles = dict.fromkeys(found["title"] for found in _CALL.finditer(code))
     for found in _CALL.finditer(code):
         called = folder.text.get(_called(folder, found["call"]))
-        if called is None or not agrees(found["title"], frozenset({called.title}), english=english, title=True):
+        if called is None or not agrees(found["title"], frozenset({called.title}), english=english):
             yield f'the calls under "{found["title"]}" are of {called.title if called is not None else "nothing known"}'
     for text in map(unmarked, _REMARK.findall(code)):
         known = text == _COPY or text.removeprefix("---- ").removesuffix(" ----") in titles

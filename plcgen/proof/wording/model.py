@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import html
 import re
-from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -117,8 +117,8 @@ class Wording(Protocol):
 
 
 def unmarked(text: str) -> str:
-    """A text with single blanks, without the marks that Markdown puts in front of others."""
-    return " ".join(text.replace("\\", "").split())
+    """A text with single blanks, without what Markdown needs to show it as it is."""
+    return " ".join(html.unescape(text).replace("\\", "").split())
 
 
 def untitled(text: str) -> str:
@@ -128,20 +128,25 @@ def untitled(text: str) -> str:
     return unmarked(text)
 
 
-def stated_facts(text: str) -> Counter[str]:
+def stated_facts(text: str) -> list[str]:
     """Numbers, parameters and units of a text."""
-    return Counter(_FACT.findall(text))
+    return _FACT.findall(text)
 
 
-def agrees(found: str, stated: frozenset[str], *, english: bool, title: bool = False) -> bool:
+def states(text: str, wanted: str) -> bool:
+    """Whether a text has all numbers, parameters and units of another one, in the same order."""
+    found = iter(stated_facts(text))
+    return all(fact in found for fact in stated_facts(wanted))
+
+
+def agrees(found: str, stated: frozenset[str], *, english: bool) -> bool:
     """Whether a text is one of those that are stated.
 
     In another language than English, it has the same numbers, parameters and units as one of them.
     """
-    tidy = untitled if title else unmarked
-    said = tidy(found)
-    if said in {tidy(text) for text in stated}:
+    said = untitled(found)
+    if said in {untitled(text) for text in stated}:
         return True
     if english or not said:
         return False
-    return any(text and stated_facts(tidy(text)) <= stated_facts(said) for text in stated)
+    return any(text and states(said, untitled(text)) for text in stated)

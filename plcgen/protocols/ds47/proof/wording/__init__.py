@@ -13,7 +13,7 @@ from types import MappingProxyType
 
 from plcgen.project.nouns import PlannedJob
 from plcgen.proof.wording.comments import EMPTY
-from plcgen.proof.wording.model import GuideLine, Shown, agrees, stated_facts
+from plcgen.proof.wording.model import GuideLine, Shown, agrees, states
 from plcgen.protocols.ds47.kinds.registry import kind_called
 from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.protocols.ds47.proof.wording import guide
@@ -318,7 +318,7 @@ class DriveWording:
         if not self.english:
             waits = use.awaited is None or any(waits_for(one, job, use, called) for one in _CONDITION.findall(text))
             front = f"{use.position}: {step}{'' if use.awaited else called}"
-            return waits and stated_facts(front) <= stated_facts(text)
+            return waits and states(text, front)
         front = f"{use.position}: {step}"
         if not text.startswith(front):
             return False
