@@ -7,7 +7,7 @@ READY := $(VENV)/.ready
 unexport PYTHONDONTWRITEBYTECODE
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
-.PHONY: demo test fast coverage lint hostile bench engine mutate deletions beliefs damages examples example-diff docs site pictures lock clean
+.PHONY: demo test fast coverage lint hostile bench pairs engine mutate deletions beliefs damages examples example-diff docs site pictures lock clean
 
 demo: $(READY)
 	$(BIN)/plcgen demo .demo
@@ -34,6 +34,10 @@ hostile: $(READY)
 
 bench: $(READY)
 	$(BIN)/python -m bench
+
+# Specs in which every possible pair of values of every two keys occurs: each works, or is refused for the reason that is known.
+pairs: $(READY)
+	PYTHONPATH=tests $(BIN)/python -m pairs --effort $(or $(EFFORT),none)
 
 # Proves every engine there is, for every target in every size, and records it: after a change of its templates.
 engine: $(READY)

@@ -50,13 +50,15 @@ class Voice:
         """Line by line; of several lines, a comment of the spec is among those of its own language.
 
         The first language has those of all others, too: its text is that of the source, which has no place for others.
+        It has English lines where only some lines are said in it.
         """
         lines = text.split("\n")
         spoken = [(line, self._by_culture(line), len(lines) > 1 and line in self._said) for line in lines]
         first = self.cultures[0]
+        mixed = len(lines) > 1 and any(first in said and said[first] == line for line, said, _ in spoken)
         found = {
             name: [
-                line if alone else said.get(name)
+                line if alone else said.get(name, line if mixed and name == first else None)
                 for line, said, alone in spoken
                 if not alone or name == first or said.get(name) == line
             ]

@@ -195,7 +195,8 @@ class DocumentedDrive:
         values = parameter.packed(address.subindices)
         if 2 + len(values) > room:
             raise _RefusedError(TOO_LONG)
-        code = SUBSTITUTES[parameter.size] if self.by_size else TYPES[parameter.type][0]
+        own = TYPES[parameter.type][0]
+        code = SUBSTITUTES.get(parameter.size, own) if self.by_size else own
         return bytes((code, len(address.subindices))) + values + bytes(len(values) % 2)
 
 

@@ -22,6 +22,7 @@ from plcgen.proof.making import attempted
 from plcgen.resources import templates_dir
 from plcgen.s7.address import Address
 from plcgen.s7.blocks import Block, BlockKind
+from plcgen.s7.image import image
 from plcgen.s7.layout import Layout, layout_block, locate
 from plcgen.simaticml.reading.documents import read_tag_table, read_watch_table
 
@@ -78,6 +79,7 @@ class _Tables:
         self.numbers = {ref.name: ref.number for ref in project.blocks}
         self.known = set(folder.text)
         self.layouts: dict[str, Layout] = {}
+        self.images: dict[str, bytes] = {}
 
     def looks(self) -> Iterator[tuple[str, Look]]:
         """Every file that is looked at, and how."""
@@ -116,6 +118,12 @@ class _Tables:
         if block.name not in self.layouts:
             self.layouts[block.name] = layout_block(block, self.folder.text)
         return self.layouts[block.name]
+
+    def image(self, block: Block) -> bytes:
+        """Bytes of a block as delivered, likewise."""
+        if block.name not in self.images:
+            self.images[block.name] = bytes(image(block, self.folder.text))
+        return self.images[block.name]
 
     # ---- tags
 
@@ -310,7 +318,8 @@ class _Tables:
             if address and (said is None or (int(said[1]), int(said[2])) != (number, entry.byte)):
                 yield f"{name} lies at DB{number}, byte {entry.byte}, not at {address}"
             command = name.rsplit(".", 1)[-1].lower() == "execute"
-            if modify and not command and entry.member.start is None and not _nothing(modify):
+            start = self.image(block)[entry.byte : entry.byte + max(1, entry.size // 8)]
+            if modify and not command and not any(start) and not _nothing(modify):
                 yield f"{name} is set to {modify}, which has no start value"
             if command and modify != "TRUE":
                 yield f"{name} is set to {modify or 'nothing'}"

@@ -346,3 +346,32 @@ def test_no_two_lines_of_a_report_are_alike(tmp_path: Path) -> None:
     assert {"run north.level", "run south.level"} <= {check.subject for check in result.checks()}
     purposes = [text for _, text in buffers(project_of(spec).plan(PpiPlan))]
     assert len(purposes) == len(set(purposes)), purposes
+
+
+ORDINARY = {
+    "languages": (
+        "plc: {name: a, family: s7-1200, toolchain: tia-v19, languages: [de-DE, en-US]}\n"
+        "ppi: {line: {module: cm1241, port: 270, stations: {pump: {address: 2, comment: plain}}, "
+        "jobs: {level: {station: pump, read: [VW100], comment: {de-DE: F (m), en-US: level}}}}}\n"
+    ),
+    "a cycle with a flag": (
+        "plc: {name: a, family: s7-300, toolchain: step7-v5}\n"
+        "ppi: {line: {module: cp341, address: 256, stations: {pump: {address: 2}}, "
+        "jobs: {r: {station: pump, read: [VW100], cycle: 1s, trigger: M10.0}, "
+        "s: {station: pump, read: [VW102], cycle: 1s}}}}\n"
+    ),
+    "two jobs of several telegrams, with keys that end in digits": (
+        "plc: {name: t, family: s7-1500, toolchain: tia-v18}\n"
+        "ppi: {big: {module: cm-ptp, port: 280, stations: {s: {address: 2}}, "
+        'jobs: {r: {station: s, read: ["VB0[300]"]}, r2: {station: s, read: ["VB1000[300]"]}}}}\n'
+    ),
+}
+
+
+@pytest.mark.parametrize("spec", ORDINARY.values(), ids=ORDINARY)
+def test_nothing_is_wrong_with_an_ordinary_spec(spec: str, tmp_path: Path) -> None:
+    """Comments in another language first; a job with a cycle that waits for its flag; names that could be alike."""
+    path = tmp_path / "spec.yaml"
+    path.write_text(spec, "utf-8")
+    assert api.generate(path).ok
+    assert [str(problem) for problem in api.verify(path).problems if problem.code[:3] == "PG6"] == []

@@ -115,9 +115,11 @@ class JobPlanner:
         if len(packed) > 1 and job.split == "never":
             self._unsplittable(key, values, len(packed), path, kind)
         base = self.name + pascal_case(key)
+        others = {(self.name + pascal_case(other)).upper() for other in self.master.jobs}
+        apart = "_" if any(f"{base}{index}".upper() in others for index in range(1, len(packed) + 1)) else ""
         telegrams = []
         for index, group in enumerate(packed, 1):
-            name = f"{base}{index}" if len(packed) > 1 else base
+            name = f"{base}{apart}{index}" if len(packed) > 1 else base
             request = job.request if index == 1 else PpiBuffer()
             response = job.response if index == 1 else PpiBuffer()
             telegrams.append(self._telegram(kind, station, self._items(group), name, request, response, path))

@@ -140,6 +140,7 @@ class PpiSuite:
             Premise(NO_OTHER, never="STATUS_TIMEOUT", among=frozenset({State.IDLE})),
             *([known(NO_OTHER, "statTelegram", kinds, waiting)] if kinds else []),
         ]
+        found.append(known(NO_OTHER, "statCurrent", {t.number for t in master.telegrams}, (State.BUILD,)))
         for function, kind in ((Function.READ, "read"), (Function.WRITE, "write")):
             numbers = [number for number, asked in kinds.items() if asked == kind]
             found.append(known(NO_OTHER, "statService", (function,), numbers, "statTelegram"))

@@ -1,0 +1,70 @@
+"""Which values do not go together, and with which code ``check`` refuses them: everything else must work."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+
+from pairs.cover import Row
+
+Side = tuple[str, tuple[str, ...]]
+"""A dimension and some of its values."""
+WIDE = ("Integer64", "Unsigned64", "Float64")
+TEXTS = ("VisibleString[1]", "VisibleString[5]", "OctetString[1]", "OctetString[4]")
+TIMES = ("BinaryDate", "TimeOfDay")
+SMALL = (
+    "micromaster-4", "sinamics-g110m", "sinamics-g115d", "sinamics-g120", "sinamics-g120c", "sinamics-g120x",
+    "sinamics-v90",
+)  # fmt: skip
+"""Devices of one drive object."""
+LESS = (*SMALL, "profidrive", "sinamics-dcm", "sinamics-dcp")
+"""Those and others of whose messages, and whose parameters that activate, nothing was read."""
+RECIPES = ("write_recipe", "read_recipe", "compare_recipe")
+LISTS = (
+    "bits", "readback", "saved", "restore", "save", "faults", "alarms", "acknowledge", "compare", "steps", "until",
+    "activate", "clock", *RECIPES,
+)  # fmt: skip
+"""Kinds of more than one telegram, or that deliver a list."""
+OWN = ("buffers", ("db", "numbers", "sizes"))
+OTHERS = ("sinamics-g130", "sinamics-g150", "sinamics-s150", "sinamics-s210")
+
+Refusal = tuple[tuple[Side, ...], str]
+DRIVES: tuple[Refusal, ...] = (
+    ((("toolchain", ("step7-v5",)), ("family", ("s7-1200", "s7-1500"))), "PG214"),
+    ((("device", SMALL), ("drives", ("unit",))), "PG217"),
+    ((("trigger", ("bit", "flags", "symbol")), ("drives", ("list",))), "PG404"),
+    ((("type", TEXTS), ("index", ("range", "many"))), "PG206"),
+    ((("kind", ("until",)), ("index", ("range", "many"))), "PG251"),
+    ((("kind", ("until",)), ("type", TEXTS)), "PG251"),
+    ((("kind", ("until",)), ("type", WIDE), ("family", ("s7-300", "s7-400"))), "PG251"),
+    ((("kind", ("until",)), ("type", ("Integer64", "Unsigned64")), ("family", ("s7-1200",))), "PG251"),
+    ((("kind", ("compare",)), ("type", (*WIDE, *TIMES, *TEXTS))), "PG249"),
+    ((("kind", ("compare_recipe",)), ("type", WIDE)), "PG249"),
+    ((("kind", RECIPES), ("type", (*TEXTS, *TIMES))), "PG255"),
+    ((("kind", RECIPES), ("type", WIDE), ("family", ("s7-300", "s7-400"))), "PG255"),
+    ((("kind", RECIPES), ("type", ("Integer64", "Unsigned64")), ("family", ("s7-1200",))), "PG255"),
+    ((("kind", ("restore",)), ("index", ("many",))), "PG258"),
+    ((OWN, ("drives", ("list",))), "PG223"),
+    ((OWN, ("index", ("many",))), "PG223"),
+    ((OWN, ("kind", LISTS)), "PG223"),
+    ((("kind", ("faults", "alarms")), ("device", LESS)), "PG248"),
+    ((("kind", ("acknowledge", "activate")), ("device", (*LESS, "sinamics-s210"))), "PG248"),
+    ((("kind", ("clock",)), ("device", (*LESS, *OTHERS))), "PG248"),
+    ((("kind", ("save", "saved")), ("device", ("sinamics-s210",))), "PG243"),
+)
+"""All sides together are refused with the code, whatever else the row says."""
+
+
+def refused(row: Mapping[str, str], refusals: Sequence[Refusal]) -> set[str]:
+    """Codes of what in a row does not go together; dimensions that are missing do not count."""
+    return {code for sides, code in refusals if all(row.get(name) in values for name, values in sides)}
+
+
+def impossible(base: Row, refusals: Sequence[Refusal]) -> list[tuple[Row, str]]:
+    """A row for everything that does not go together, with its code; all else is that of the base."""
+    found: list[tuple[Row, str]] = []
+    for sides, code in refusals:
+        names = [name for name, _ in sides]
+        every = product(*(values for _, values in sides))
+        found += [({**base, **dict(zip(names, values, strict=True))}, code) for values in every]
+    return found
