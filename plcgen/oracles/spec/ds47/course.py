@@ -123,6 +123,19 @@ class StatedCourse:
         if telegram.drive_object != drive.drive_object:
             found = f"a request to drive object {telegram.drive_object}"
             self.differ(drive.place, f"drive object {drive.drive_object}", found)
+        self._check_room(telegram)
+
+    def _check_room(self, telegram: HeardTelegram) -> None:
+        """How telegrams are packed is free, but the drive must take them."""
+        drive = self.job.drive
+        if max(len(telegram.data), answer_length(telegram, self.job)) > drive.longest:
+            self.differ(self.job.place, f"telegrams of at most {drive.longest} bytes", heard_text(telegram))
+        if len(telegram.accesses) > drive.most_parameters:
+            expected = f"at most {drive.most_parameters} parameters in a telegram"
+            self.differ(self.job.place, expected, heard_text(telegram))
+        if max(access.elements for access in telegram.accesses) > drive.most_elements:
+            expected = f"at most {drive.most_elements} elements of a parameter in a telegram"
+            self.differ(self.job.place, expected, heard_text(telegram))
 
     # --- accesses that come once ----------------------------------------------------------------------
 
@@ -257,6 +270,15 @@ def answer_to(telegram: HeardTelegram, access: StatedAccess, at: int) -> bytes:
         if heard.number == access.number and 0 <= place < len(heard.indexes):
             return data[place * access.size : (place + 1) * access.size]
     return b""
+
+
+def answer_length(telegram: HeardTelegram, job: StatedJob) -> int:
+    """Bytes of the good answer: header, then format, count and values padded to words for each parameter."""
+    if telegram.write:
+        return 4
+    sizes = {access.number: access.size for step in job.steps for access in step.accesses}
+    octets = (sizes.get(access.number, 0) * len(access.indexes) for access in telegram.accesses)
+    return 4 + sum(2 + length + length % 2 for length in octets)
 
 
 def access_number(step: StatedStep, access: StatedAccess) -> int:

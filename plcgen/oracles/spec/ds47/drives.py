@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from plcgen.oracles.profidrive import LONGEST, MOST_ELEMENTS, MOST_PARAMETERS
 from plcgen.oracles.spec.ds47.parameters import StatedCatalogue
 from plcgen.oracles.spec.ds47.statement import StatedDrive
 from plcgen.oracles.spec.ds47.times import milliseconds
@@ -55,9 +56,17 @@ def known_drives(source: SpecSource) -> dict[str, KnownDrive]:
             wait_ms=milliseconds(settings.get("wait"), WAIT_MS),
             by_size=(profile.get("answers") or {}).get("format") == "size",
             local=record == LOCAL,
+            **_room(profile.get("limits") or {}),
         )
         found[key] = KnownDrive(stated, StatedCatalogue(name, source.profiles, entry.get("parameters") or {}), profile)
     return found
+
+
+def _room(limits: Mapping[str, Any]) -> dict[str, int]:
+    """What one telegram holds."""
+    names = {"longest": ("record", LONGEST), "most_parameters": ("parameters", MOST_PARAMETERS)}
+    names["most_elements"] = ("elements", MOST_ELEMENTS)
+    return {name: int(limits.get(key, usual)) for name, (key, usual) in names.items()}
 
 
 def _entries(spec: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any], Mapping[str, Any], str, Keys]]:

@@ -135,13 +135,15 @@ class RecordingDevice:
     read_status: Callable[[], int] | None = None
     calls: list[tuple[int, str]] = field(default_factory=list)
     """When WRREC and RDREC came, whatever became of them."""
+    overlaps: int = 0
+    """Requests that came before the answer to the one before was taken away."""
     _answer: bytes = b""
 
     def reset(self) -> None:
         """Nothing was heard, nothing is wrong; the values stay."""
         self.heard, self.complaints, self.calls = [], [], []
         self.hears, self.write_status, self.read_status = None, None, None
-        self.refuses, self.turns, self.silent, self._answer = {}, {}, False, b""
+        self.refuses, self.turns, self.silent, self._answer, self.overlaps = {}, {}, False, b"", 0
 
     def write(self, identifier: int, record: int, data: bytes, objects: Mapping[int, int], local: bool) -> int:  # noqa: FBT001
         """WRREC; ``objects`` are the drive objects of identifiers, which a ``local`` record goes by."""
@@ -154,6 +156,7 @@ class RecordingDevice:
         except UndecodedError as problem:
             self.complaints.append(str(problem))
             return NO_RECORD
+        self.overlaps += bool(self._answer)
         self.heard.append(telegram)
         instead = self.hears(telegram) if self.hears is not None else {}
         owner = objects.get(identifier, telegram.drive_object) if local else telegram.drive_object

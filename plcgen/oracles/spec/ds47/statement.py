@@ -32,6 +32,10 @@ class StatedDrive:
     by_size: bool = False
     local: bool = False
     """Whether the identifier alone selects the drive object: record B02Eh."""
+    longest: int = 240
+    most_parameters: int = 39
+    most_elements: int = 234
+    """Of a telegram: bytes each way, parameters, elements of a parameter."""
 
     def __str__(self) -> str:
         where = f"{self.identifier}{' (outputs)' if self.output else ''}"

@@ -9,7 +9,7 @@ from plcgen.cpu.program import Program
 from plcgen.oracles.spec.ds47.course import Difference
 from plcgen.oracles.spec.ds47.statement import FromInput, FromRecord, StatedJob, Statement
 from plcgen.protocols.ds47.proof.stated.failing import failing_runs
-from plcgen.protocols.ds47.proof.stated.nominal import trials
+from plcgen.protocols.ds47.proof.stated.nominal import fill_device, supply_of, trials
 from plcgen.protocols.ds47.proof.stated.outputs import delivered_records, start_difference
 from plcgen.protocols.ds47.proof.stated.rig import PLACES, StatedRig
 from plcgen.protocols.ds47.proof.stated.scene import Scene
@@ -22,6 +22,7 @@ INSTANCE, CHANNEL = re.compile(r"DriveCalls\d*_DB"), "channel"
 
 
 MANY = 30
+TOGETHER_SCANS = 150
 
 
 def jobs_kept(
@@ -49,6 +50,8 @@ def jobs_kept(
         rig.run([trial.run() for trial in now], PLACES if waits else None)
         for trial in now:
             found[trial.job.key] += trial.differences
+    for pair in jobs_beside(jobs):
+        found[pair[0].key] += overlapping(rig, pair, unique)
     run_scenes(rig, [job for job in unlike(chosen) if not found[job.key]], unique, found)
     return found
 
@@ -80,6 +83,36 @@ def firsts(jobs: Sequence[StatedJob]) -> list[StatedJob]:
         busy[chosen.drive.unit] = busy.get(chosen.drive.unit, 0) + 1
         found.append(chosen)
     return found
+
+
+def jobs_beside(jobs: Sequence[StatedJob]) -> Iterator[tuple[StatedJob, StatedJob]]:
+    """Of every unit with several drives two jobs that do not wait for anything, on different drives."""
+    units: dict[str, list[StatedJob]] = {}
+    for job in jobs:
+        if not any(step.until for step in job.steps) and job.listing is None:
+            units.setdefault(job.drive.unit, []).append(job)
+    for own in units.values():
+        other = next((job for job in own if job.drive.key != own[0].drive.key), None)
+        if other is not None:
+            yield own[0], other
+
+
+def overlapping(rig: StatedRig, pair: Sequence[StatedJob], unique: Unique) -> Iterator[Difference]:
+    """Both are started at once: a device has one parameter server, so the second one waits."""
+    rig.restart()
+    device = rig.units[pair[0].drive.unit]
+    for job in pair:
+        supply = supply_of(rig, job, unique)
+        supply.draw()
+        supply.store()
+        fill_device(rig, job, unique)
+        rig.cpu[rig.path(job, "execute")] = True
+    for _ in range(TOGETHER_SCANS):
+        rig.cpu.scan()
+    asked = {telegram.identifier for telegram in device.heard}
+    if device.overlaps or len(asked) < len(pair):
+        found = f"{device.overlaps} requests before the answer to another one, of {len(device.heard)}"
+        yield Difference(pair[0].drive.place, f"one request at a time to unit {pair[0].drive.unit}", found)
 
 
 def unlike(jobs: Sequence[StatedJob]) -> Sequence[StatedJob]:

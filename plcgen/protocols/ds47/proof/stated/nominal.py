@@ -17,7 +17,7 @@ from plcgen.protocols.ds47.proof.stated.outputs import (
     record_differences,
 )
 from plcgen.protocols.ds47.proof.stated.rig import DONE, StatedRig, StatedRun, idle_scan
-from plcgen.protocols.ds47.proof.stated.supply import Supply, Unique, two_valued
+from plcgen.protocols.ds47.proof.stated.supply import MOMENTS, Supply, Unique, two_valued
 
 RUNS_BITS = 0x0804
 """Bits 2 and 11 of r0899: the drive runs."""
@@ -100,6 +100,11 @@ class NominalRun:
             if not course.differences:
                 yield Difference(self.job.place, "a run that is done", f"status 16#{run.status & 0xFFFF:04X}")
             return
+        if run.flags != (True, True, False):
+            busy, done, error = run.flags
+            yield Difference(
+                self.job.place, "busy, then done without error", f"busy {busy}, done {done}, error {error}"
+            )
         if course.differences:
             return
         yield from question_times(course)
@@ -187,6 +192,8 @@ def trials(rig: StatedRig, job: StatedJob, unique: Unique, *, first: bool) -> It
         yield NominalRun(rig, job, supply, no=missed)
     if job.kind in {"compare", "compare_recipe"}:
         yield NominalRun(rig, job, supply, beside=0)
+    if job.kind == "clock":
+        yield from (NominalRun(rig, job, supply) for _ in MOMENTS)
     for number in {1, job.records} - {2} if job.records else ():
         yield NominalRun(rig, job, supply, record=number)
     for bits in bit_patterns(job):

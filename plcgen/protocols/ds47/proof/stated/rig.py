@@ -95,6 +95,9 @@ class StatedRun:
     delay: Callable[[str], int | None] = lambda _kind: None
     """How many ms a record job takes; None: one scan."""
     status: int = -1
+    flags: tuple[bool, bool, bool] = (False, False, False)
+    """Whether it has been busy; done and error at the end."""
+    busy: bool = False
     started: int = 0
     ended: int = 0
     heard: list[HeardTelegram] = field(default_factory=list)
@@ -249,7 +252,8 @@ class StatedRig:
 
     def ended(self, run: StatedRun) -> bool:
         """Whether a job has ended, or hangs: then it is over too, with its status."""
-        done, error = (self.signal(run.job, name) for name in ("done", "error"))
+        done, error, busy = (self.signal(run.job, name) for name in ("done", "error", "busy"))
+        run.busy = run.busy or bool(busy)
         late = self.cpu.clock - run.started > patience(run.job)
         if not done and not error and not late:
             return False
@@ -260,6 +264,7 @@ class StatedRig:
         """Keep what came of a run; the command falls."""
         device = self.units[run.job.drive.unit]
         run.status, run.ended = self.signal(run.job, "status"), self.cpu.clock
+        run.flags = run.busy, bool(self.signal(run.job, "done")), bool(self.signal(run.job, "error"))
         run.heard, run.complaints, run.calls = device.heard, device.complaints, device.calls
         run.ends(run)
         self.cpu[self.path(run.job, "execute")] = False

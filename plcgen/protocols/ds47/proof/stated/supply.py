@@ -24,6 +24,14 @@ DAYS = "days since 1970-01-01"
 DTL_BYTES = 12
 """A DATE_AND_TIME has 8."""
 EPOCH = dt.date(1970, 1, 1)
+MOMENTS = (
+    (dt.date(2031, 7, 17), 43_200_017),
+    (dt.date(2000, 1, 1), 0),
+    (dt.date(2024, 2, 29), 86_399_999),
+    (dt.date(2026, 3, 1), 1),
+    (dt.date(2089, 12, 31), 3_600_000),
+)
+"""Days and milliseconds: ends of what a drive takes, of months and of days."""
 
 
 def sources(job: StatedJob) -> dict[Source, StatedAccess]:
@@ -51,10 +59,11 @@ class Unique:
 
     def __init__(self) -> None:
         self._count = itertools.count(1)
+        self._moments = itertools.cycle(MOMENTS)
 
-    def day(self) -> dt.date:
-        """A day that was not used a moment ago."""
-        return dt.date(2031, 1 + next(self._count) % 12, 17)
+    def moment(self) -> tuple[dt.date, int]:
+        """A day that was not used a moment ago, and milliseconds of it."""
+        return next(self._moments)
 
     def number(self, type_: str, low: Number | None = None, high: Number | None = None) -> Number:
         """The next one, between two limits."""
@@ -103,7 +112,7 @@ class Supply:
         moment = None
         for source, access in sources(self.job).items():
             if isinstance(source, FromClock):
-                moment = moment or (self.unique.day(), 43_200_017)
+                moment = moment or self.unique.moment()
                 self.values[source] = (moment[0] - EPOCH).days if source.part == DAYS else moment[1]
             elif bits is not None and source in bits:
                 self.values[source] = bits[source]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from plcgen.oracles.spec.ds47.boundaries import Answer, failing
+from plcgen.oracles.spec.ds47.recorder import HeardTelegram, Key
 from plcgen.oracles.spec.ds47.statement import StatedJob, StatedStep
 from plcgen.protocols.ds47.proof.stated.nominal import SCANS_LATE, AnyInput
 from plcgen.protocols.ds47.proof.stated.rig import DONE, SCAN, StatedRun
@@ -17,6 +18,7 @@ TEMPORARY_WRITE, NO_ANSWER = 0xDF80A200, 0xDE80A000
 """STATUS of WRREC: ask again; of RDREC: there is no answer to wait for."""
 TELEGRAM_MS = 15 * SCAN
 """What a telegram takes with whatever is around it."""
+AGAIN = 2
 MARGIN_MS = 3000
 """How long before and behind the end of a wait between two saves a job is started; a minute is the shortest one."""
 MOST_OVER_MS = 3000
@@ -33,6 +35,8 @@ def timed_runs(scene: Scene) -> Iterator[Sequence[StatedRun]]:
     if job.timeout_ms - spare_ms(job) > 0:
         yield [silent(scene, too_long=False)]
     yield [retried(scene)]
+    if not job.steps[0].once:
+        yield [sent_again(scene)]
     for number, step in enumerate(job.steps):
         if step.until:
             for late, answer in last_answers(step):
@@ -176,6 +180,38 @@ def lost(scene: Scene, number: int) -> StatedRun:
         device.read_status = status
 
     run.prepare = prepare
+    return run
+
+
+def sent_again(scene: Scene) -> StatedRun:
+    """The answer to the first telegram is lost: it is sent again as it was, but for its reference."""
+    run = scene.run(lambda _: None)
+    course, device, lost = run.course, scene.device, [True]
+    answers: list[Mapping[Key, bytes]] = []
+
+    def hears(telegram: HeardTelegram) -> Mapping[Key, bytes]:
+        again = len(device.heard) == AGAIN
+        if course is not None and not again:
+            answers.append(course.hear(telegram))
+        return answers[-1] if answers else {}
+
+    def status() -> int:
+        if lost[0]:
+            lost[0] = False
+            return NO_ANSWER
+        return 0
+
+    def ends(run: StatedRun) -> None:
+        sent = [telegram.data[1:] for telegram in run.heard[:AGAIN]]
+        good = len(sent) == AGAIN and sent[0] == sent[1]
+        scene.demand(scene.job.place, "a lost request sent again as it was", f"{len(run.heard)} requests", good=good)
+        scene.status(run, DONE, when="if the first answer is lost")
+
+    def prepare(then: Callable[[], None] = run.prepare) -> None:
+        then()
+        device.read_status = status
+
+    run.hears, run.prepare, run.ends = hears, prepare, ends
     return run
 
 
