@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from plcgen import api
 from plcgen.protocols.ds47.proof.plant import Plant
 from plcgen.protocols.ds47.proof.scenario import DriveScenario
 
@@ -46,3 +49,13 @@ def test_a_time_is_sent(generate, target) -> None:
         run(plant, "07 b2 01 01 05 00 00 00 00 00 00 00" if target == "t15" else "90 01 01 00 00 00 00 02")[1] == 0x8520
     )
     assert run(plant, right) == ([SENT], 0)
+
+
+def test_a_telegram_with_the_names_of_the_faq(tmp_path: Path) -> None:
+    """The members of the request are called otherwise there: the block writes days and milliseconds into it anyway."""
+    spec = tmp_path / "job.yaml"
+    text = "plc: {name: a, family: s7-1500, toolchain: tia-v19, names: faq}\n"
+    text += "drives: {unit: {device: sinamics-s120, hardware_id: 280, drive_object: 1}}\n"
+    spec.write_text(text + "jobs: {set_clock: {drive: unit, clock: utc}}\n", "utf-8")
+    assert api.generate(spec, tmp_path / "out").ok
+    assert api.verify(spec, tmp_path / "out", faults="none").ok

@@ -24,7 +24,9 @@ def clock_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any] | None:
     """What a block needs that makes days and milliseconds of a time."""
     if job.clock is None:
         return None
-    days, milliseconds = (f"statRequestView.{use.member}" for use in job.timed)
+    fields = job.telegrams[0].request.fields  # their names are not those of the uses where the FAQ names them
+    values = {id(field.part.use): field.name for field in fields if field.role == "value" and field.part is not None}
+    days, milliseconds = (f"statRequestView.{values[id(use)]}" for use in job.timed)
     return {
         "type": declared_type(job.clock, tia=not plan.target.v5),
         "parts": job.clock.name == "DTL",

@@ -35,7 +35,7 @@ def timed_runs(scene: Scene) -> Iterator[Sequence[StatedRun]]:
     if job.timeout_ms - spare_ms(job) > 0:
         yield [silent(scene, too_long=False)]
     yield [retried(scene)]
-    if not job.steps[0].once:
+    if not job.steps[0].once and job.retries:
         yield [sent_again(scene)]
     for number, step in enumerate(job.steps):
         if step.until:
