@@ -10,8 +10,6 @@ from pathlib import Path
 
 from projects import ROOT
 
-from plcgen import api
-
 PACKAGE = ROOT / "plcgen"
 
 
@@ -93,63 +91,3 @@ def test_classes_hold_one_idea() -> None:
     assert [f"{m}.{c.name}" for m, c in classes if (c.end_lineno or 0) - c.lineno >= 350] == []
     texts = {path: path.read_text("utf-8") for path in sorted(PACKAGE.rglob("*.py"))}
     assert [name for name, text in texts.items() if "raise NotImplementedError" in text] == []
-
-
-def mirrored(places: set[str]) -> bool:
-    """Whether two rooms of one inner structure have a part each, in the same place: ``sim`` of both protocols."""
-    rooms = {"cpu.compiler.": "scl.grammar.", "protocols.ds47.": "protocols.ppi."}
-    first, second = sorted(place.removeprefix("plcgen.") for place in places) if len(places) == 2 else ("", "")
-    return any(
-        first.startswith(one)
-        and second.startswith(other)
-        and first.removeprefix(one).split(".")[0] == second.removeprefix(other).split(".")[0]
-        for one, other in rooms.items()
-    )
-
-
-def asked_for(module: str, name: str) -> bool:
-    """Whether whoever starts a function asks for it by its name: a verb as ``command``, a program as ``main``."""
-    if name == "command":
-        return module.startswith("plcgen.cli.")
-    return name == "main" and module.endswith(".__main__")
-
-
-def in_the_face(module: str, name: str) -> bool:
-    """Whether it is what the API offers: that may be called like the function that does its work."""
-    return module.startswith("plcgen.api.") and name in api.__all__
-
-
-def homonyms(trees: dict[str, ast.Module]) -> dict[str, list[str]]:
-    """Public classes and functions of one name in several modules, which only their modules tell apart.
-
-    Classes of the syntax tree do not count: they are read as ``ast.X``.
-    """
-    places: dict[str, set[str]] = {}
-    for module, tree in trees.items():
-        for node in tree.body:
-            if not isinstance(node, ast.ClassDef | ast.FunctionDef) or node.name.startswith("_"):
-                continue
-            if module != "plcgen.scl.ast" and not asked_for(module, node.name) and not in_the_face(module, node.name):
-                places.setdefault(node.name, set()).add(module)
-    return {name: sorted(found) for name, found in places.items() if len(found) > 1 and not mirrored(found)}
-
-
-def test_a_public_name_means_one_thing() -> None:
-    """A class or function is found by its name: two rooms have one of the same name only if they mirror each other."""
-    assert homonyms(modules()) == {}
-
-
-def test_what_two_public_names_alike_are() -> None:
-    """Mirrored rooms and the API may have them, two rooms and two places of mirrored rooms may not."""
-    cut, both = ast.parse("def cut(): ..."), ast.parse("def verify(): ...\ndef _cut(): ...\ndef main(): ...")
-    trees = {"plcgen.display.cells": cut, "plcgen.api.project": both, "plcgen.proof": both, "plcgen.cli.check": both}
-    assert homonyms(trees) == {
-        "main": ["plcgen.api.project", "plcgen.cli.check", "plcgen.proof"],
-        "verify": ["plcgen.cli.check", "plcgen.proof"],
-    }
-    verb = ast.parse("def command(): ...")
-    assert homonyms({"plcgen.cli.check": verb, "plcgen.cli.new": verb, "plcgen.protocols.ds47.view": verb}) == {}
-    mirror = {"plcgen.protocols.ds47.sim.drive": cut, "plcgen.protocols.ppi.sim.bus": cut}
-    assert homonyms(mirror) == {}
-    assert homonyms(mirror | trees)["cut"] == ["plcgen.display.cells", *mirror]
-    assert homonyms({"plcgen.protocols.ds47.sim.drive": cut, "plcgen.protocols.ppi.proof.rig": cut}).keys() == {"cut"}

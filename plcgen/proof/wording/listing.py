@@ -6,13 +6,16 @@ import json
 from collections.abc import Iterator, Sequence
 
 from plcgen._version import __version__
+from plcgen.input.files import read_bounded
 from plcgen.project.nouns import Project
+from plcgen.project.ownership import is_owned
 from plcgen.proof.folder import Folder
 from plcgen.proof.wording.guides import EXPERIMENTAL
 from plcgen.proof.wording.model import Wording
 from plcgen.s7.blocks import BlockKind
 
 FILE = "manifest.json"
+MAX_BYTES = 64 * 1024 * 1024
 SCRIPT, WORKBOOK = "the script was not run against a TIA Portal", "the workbook was not imported into a TIA Portal"
 _EARLY, _INFERRED = ("V14 SP1", "V15", "V15.1"), ("V14 SP1", "V15", "V15.1", "V20")
 """Versions of which no genuine document was at hand: not at all, or none with a code block."""
@@ -49,8 +52,15 @@ def _file(
     project: Project, folder: Folder, stated: Sequence[Wording], path: str, entry: dict[str, object]
 ) -> Iterator[str]:
     place = folder.path / path
-    if place.is_file() and entry.get("bytes") != place.stat().st_size:
-        yield f"{entry.get('bytes')} bytes, the file has {place.stat().st_size}"
+    if place.is_file() and not is_owned(path, project.loaded.spec.plc.user_owned):
+        data = read_bounded(place, MAX_BYTES)
+        plain = data.replace(b"\r\n", b"\n")
+        if entry.get("bytes") not in {
+            len(data),
+            len(plain),
+            len(plain) + plain.count(b"\n"),
+        }:  # git may change line ends
+            yield f"{entry.get('bytes')} bytes, the file has {len(data)}"
     note = entry.get("experimental", "")
     if note != (right := _note(project, folder, stated, path)):
         yield f"experimental: {note or 'nothing'}, not {right or 'nothing'}"
