@@ -58,11 +58,12 @@ def _step(title: str, kind: str, names: Sequence[str], switch: str = "") -> dict
 def _experimental(
     version: str | None, steps: list[dict[str, Any]], notes: Mapping[str, Sequence[str]], note: str
 ) -> list[tuple[str, list[str]]]:
-    watches = [file for step in steps if step["title"] == "watch tables" for file in step["files"]]
-    found = [*((why, _documents(blocks)) for why, blocks in notes.items()), (WATCH_NOTE, watches)]
+    files = {step["title"]: step["files"] for step in steps}
+    found = [*((why, _documents(blocks)) for why, blocks in notes.items()), (WATCH_NOTE, files.get("watch tables", []))]
     if note:
-        found.append((VERSION_NOTE, ["all other documents" if version != "V20" else "Main.xml"]))
-    return [(why, files) for why, files in found if why and files]
+        code = [*files.get("instance data blocks", []), *files.get("example of the main program", [])]
+        found.append((VERSION_NOTE, code if version == "V20" else ["all other documents"]))
+    return [(why, named) for why, named in found if why and named]
 
 
 def _documents(names: Sequence[str]) -> list[str]:

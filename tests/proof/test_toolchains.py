@@ -16,7 +16,6 @@ FAMILIES = {"s7-300": "address", "s7-1500": "hardware_id"}
 TARGETS = [(one, two) for one in get_args(Toolchain) for two in FAMILIES if (one, two) != ("step7-v5", "s7-1500")]
 
 
-@pytest.mark.xfail(reason="PG614 of notes on V14..V15.1 and V20", strict=False)
 @pytest.mark.parametrize(("toolchain", "family"), TARGETS)
 def test_everything_can_be_done_for_every_version(toolchain: str, family: str, tmp_path: Path) -> None:
     """Generate, verify, convert in both directions where there are documents, lock: nothing is wrong."""

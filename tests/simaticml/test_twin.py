@@ -97,6 +97,31 @@ def test_the_page_says_of_each_block_why_it_is_experimental() -> None:
     assert "the call form of WRREC and RDREC is inferred" in drives
 
 
+@pytest.mark.parametrize(
+    ("toolchain", "said"),
+    [
+        ("tia-v15.1", "all other documents"),
+        ("tia-v19", None),
+        ("tia-v20", "DriveCalls_DB.xml`, `Main.xml"),
+        ("tia-v21", None),
+    ],
+)
+def test_the_page_names_every_document_that_no_export_of_its_version_stands_behind(
+    toolchain: str, said: str | None, tmp_path: Path
+) -> None:
+    """Of V20 no code block was at hand: OB and instance DB are named; before V16 nothing was, later everything."""
+    (tmp_path / "job.yaml").write_text(
+        f"plc: {{name: a, family: s7-1500, toolchain: {toolchain}}}\n"
+        "drives: {d: {device: sinamics-g120, hardware_id: 264}}\n"
+        "jobs: {j: {drive: d, read: [r0945], trigger: M5.0}}\n",
+        "utf-8",
+    )
+    assert api.generate(tmp_path / "job.yaml", tmp_path / "out").ok
+    lines = (tmp_path / "out/xml/IMPORT.md").read_text("utf-8").splitlines()
+    note = "no genuine export of this TIA Portal version was available to compare with"
+    assert [one for one in lines if one.endswith(f": {note}")] == ([f"- `{said}`: {note}"] if said else [])
+
+
 @pytest.mark.parametrize("quote", ["'", "\u2018", "\u2019", "\u201a", "\u201b", "\u201c", "`", "$"])
 def test_no_name_reaches_the_import_script(quote: str, tmp_path: Path) -> None:
     """PowerShell ends a string at typographic quotes too: the script is the same bytes whatever blocks are called."""

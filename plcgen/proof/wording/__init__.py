@@ -84,7 +84,7 @@ def _files(project: Project, folder: Folder, stated: Sequence[Wording]) -> Itera
         GUIDE: partial(check_guide, project, folder.path, stated),
         SHEET: partial(check_sheet, project, folder, stated),
         MANIFEST: partial(check_manifest, project, folder, stated),
-        DOCUMENTS: partial(check_documents_guide, project, folder.path),
+        DOCUMENTS: partial(check_documents_guide, project, folder, stated),
         "symbols.sdf": partial(check_symbols, project, stated),
         "tags.csv": partial(check_tags, project, stated),
         **{f"watch/{path.name}": watches.table for path in sorted(folder.path.glob("watch/*.csv"))},

@@ -11,18 +11,13 @@ from functools import cache, partial
 from pathlib import Path
 
 from plcgen.project.nouns import Project
+from plcgen.proof.folder import Folder
 from plcgen.proof.wording.model import GuideLine, Wording, unmarked
+from plcgen.proof.wording.unproven import EARLY, VERSION, WATCH, unproven
 
 GUIDE, DOCUMENTS = "IMPORT.md", "xml/IMPORT.md"
 _RULE = re.compile(r"\|(?:-+:?\|)+|```\w*|")
 _STEP = re.compile(r"\d+\. `+ ?(?P<path>[^`]+?) ?`+")
-EXPERIMENTAL = (
-    "the call form of WRREC and RDREC is inferred; no genuine export was available to compare with",
-    "the call form of the blocks for serial modules is inferred; no genuine export was available to compare with",
-    "watch tables follow the Openness manual; no genuine export was available to compare with",
-    "no genuine export of this TIA Portal version was available to compare with",
-)
-"""Why a document may be experimental."""
 CULTURES = {"en": "en-US", "de": "de-DE", "zh": "zh-CN", "fr": "fr-FR", "it": "it-IT", "es": "es-ES"}
 """What the TIA Portal calls a language of which a spec says only the first part."""
 
@@ -89,12 +84,14 @@ def _foreign(project: Project) -> Iterator[str]:
     yield from (*_said("foreign"), *rows) if rows else ()
 
 
-def check_documents_guide(project: Project, folder: Path, text: str) -> Iterator[tuple[int, str]]:
+def check_documents_guide(
+    project: Project, folder: Folder, stated: Sequence[Wording], text: str
+) -> Iterator[tuple[int, str]]:
     """The page about the SimaticML documents: version, steps of the script, languages, what is experimental."""
     version, script = project.target.xml_version or "", project.target.t15
     lines = text.split("\n")
     said = [line for line in lines if re.match(r"\d+\. [a-z ]+: `", line)]
-    steps = _listed_steps(folder) if script else said
+    steps = _listed_steps(folder.path) if script else said
     words = {
         "project": project.name,
         "version": version,
@@ -102,9 +99,9 @@ def check_documents_guide(project: Project, folder: Path, text: str) -> Iterator
     }
     parts = ("documents", "script" if script else "no_script")
     front = [*(line for part in parts for line in _said(part, **words)), "## Order", *steps, *_said("faults", **words)]
-    yield from differences([*map(GuideLine, front), *_experimental(folder)], lines, 0)
+    yield from differences([*map(GuideLine, front), *_experimental(project, folder, stated)], lines, 0)
     if not script:
-        yield from _complete(folder, said)
+        yield from _complete(folder.path, said)
 
 
 def _said(part: str, **words: object) -> list[str]:
@@ -136,31 +133,24 @@ def _complete(folder: Path, said: Sequence[str]) -> Iterator[tuple[int, str]]:
         yield 1, f"{name} {'does not exist' if name in listed else 'is not listed'}"
 
 
-def _experimental(folder: Path) -> Iterator[GuideLine]:
-    """Documents that the manifest calls experimental, by why they are; what most of them share stands for the rest."""
-    by_note: dict[str, set[str]] = {}
-    for name, note in experimental(folder).items():
-        if name.endswith(".xml") and note:
-            by_note.setdefault(note, set()).add(name.removeprefix("xml/"))
-    if by_note:
+def _experimental(project: Project, folder: Folder, stated: Sequence[Wording]) -> Iterator[GuideLine]:
+    """Documents that are experimental, by why they are; of an early version, "all other documents" are."""
+    by_note: dict[str, set[str]] = {note: set() for note in (*(one.note for one in stated), WATCH, VERSION)}
+    for name in sorted(path.name for path in folder.path.glob("xml/*.xml")):
+        if note := unproven(project, folder, stated, f"xml/{name}"):
+            by_note[note].add(name)
+    if any(by_note.values()):
         yield from map(GuideLine, _said("experimental"))
     for note, names in by_note.items():
-        yield GuideLine(f"- {', '.join(f'`{name}`' for name in sorted(names))}: {note}", partial(_says, names, note))
+        if names:
+            rest = note == VERSION and project.target.xml_version in EARLY
+            accepts = partial(_says, {"all other documents"} if rest else names, note)
+            yield GuideLine(f"- {', '.join(f'`{name}`' for name in sorted(names))}: {note}", accepts)
 
 
 def _says(names: set[str], note: str, text: str) -> bool:
-    found = set(re.findall(r"`([^`]+)`", text.partition(": ")[0]))
-    rest = found == {"all other documents"} and note == EXPERIMENTAL[-1]
-    return text.startswith("- ") and text.partition(": ")[2] == note and (found == names or rest)
-
-
-def experimental(folder: Path) -> dict[str, str]:
-    """Files of the manifest with what it says of how sure they are."""
-    try:
-        files = json.loads((folder / "manifest.json").read_text("utf-8"))["files"]
-        return {one["path"]: one.get("experimental", "") for one in files}
-    except (OSError, ValueError, KeyError, TypeError):
-        return {}  # told where the manifest is read
+    front, _, said = text.partition(": ")
+    return text.startswith("- ") and said == note and set(re.findall(r"`([^`]+)`", front)) == names
 
 
 def differences(wanted: Sequence[GuideLine], lines: Sequence[str], start: int) -> Iterator[tuple[int, str]]:

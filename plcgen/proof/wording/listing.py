@@ -10,15 +10,11 @@ from plcgen.input.files import read_bounded
 from plcgen.project.nouns import Project
 from plcgen.project.ownership import is_owned
 from plcgen.proof.folder import Folder
-from plcgen.proof.wording.guides import EXPERIMENTAL
 from plcgen.proof.wording.model import Wording
-from plcgen.s7.blocks import BlockKind
+from plcgen.proof.wording.unproven import unproven
 
 FILE = "manifest.json"
 MAX_BYTES = 64 * 1024 * 1024
-SCRIPT, WORKBOOK = "the script was not run against a TIA Portal", "the workbook was not imported into a TIA Portal"
-_EARLY, _INFERRED = ("V14 SP1", "V15", "V15.1"), ("V14 SP1", "V15", "V15.1", "V20")
-"""Versions of which no genuine document was at hand: not at all, or none with a code block."""
 
 
 def check_manifest(project: Project, folder: Folder, stated: Sequence[Wording], text: str) -> Iterator[tuple[int, str]]:
@@ -62,24 +58,8 @@ def _file(
         }:  # git may change line ends
             yield f"{entry.get('bytes')} bytes, the file has {len(data)}"
     note = entry.get("experimental", "")
-    if note != (right := _note(project, folder, stated, path)):
+    if note != (right := unproven(project, folder, stated, path)):
         yield f"experimental: {note or 'nothing'}, not {right or 'nothing'}"
-
-
-def _note(project: Project, folder: Folder, stated: Sequence[Wording], path: str) -> str:
-    """Why a file is experimental."""
-    if path in {"tags.xlsx", "xml/import.ps1"}:
-        return WORKBOOK if path == "tags.xlsx" else SCRIPT
-    name, version = path.removeprefix("xml/").removesuffix(".xml"), project.target.xml_version
-    if not path.endswith(".xml"):
-        return ""
-    if name.startswith("Watch_"):
-        return EXPERIMENTAL[2]
-    block = folder.text.get(name.upper())
-    if block is not None and block.kind is BlockKind.FB:
-        return next((one.note for one in stated if one.title(block) is not None), "")
-    made = block is not None and (block.kind is BlockKind.OB or bool(block.instance_of))
-    return EXPERIMENTAL[3] if version in (_INFERRED if made else _EARLY) else ""
 
 
 def _difference(path: str, wanted: object, found: object) -> Iterator[str]:
