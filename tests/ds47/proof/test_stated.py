@@ -107,3 +107,15 @@ def test_damage_is_told_where_the_spec_demands_something_else(made: tuple[Path, 
     assert problem.code == "PG641"
     assert told in problem.message
     assert problem.span.line in {LINES[job], LINES["drives"], LINES["parameters"]}
+
+
+def test_a_job_with_nothing_in_the_control_db_is_started_by_flags(tmp_path: Path) -> None:
+    """An empty STRUCT cannot be imported: without values and with a flag for every signal, there is none."""
+    flags = "{execute: M100.0, busy: M100.1, done: M100.2, error: M100.3, status: MW150}"
+    drive = "drives: {axis: {device: sinamics-g120, hardware_id: 281}}"
+    job = f"jobs: {{put: {{drive: axis, write: {{P1120: 7.0}}, trigger: {flags}}}}}"
+    spec, out = tmp_path / "spec.yaml", tmp_path / "out"
+    spec.write_text(f"plc: {{name: Flags, family: s7-1500, toolchain: tia-v19}}\n{drive}\n{job}\n", "utf-8")
+    assert api.generate(spec, out).ok
+    assert "Struct;" not in (out / "db" / "DriveJobs.db").read_text("utf-8-sig")
+    assert [str(each) for each in api.verify(spec, out, faults="none").problems] == []
