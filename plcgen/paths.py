@@ -44,5 +44,5 @@ def trap_in(path: str, *, up: bool = False) -> str:
         if is_device(part):
             return f"{part} is a device on Windows"
         if _ENDS.search(part):
-            return f'"{part}" ends in a dot or a blank, which Windows drops'
+            return f'"{part}" ends in a dot or a space, which Windows drops'
     return ""

@@ -1,7 +1,7 @@
 """``plcgen.toml``: what a repository wants the verbs to do unless the command line says otherwise.
 
 It comes with the files that are judged, so it is believed least: it cannot name what is believed (a cache), and where
-it asks for less than a verb does by itself, the result says so.
+it asks for less than the default of a verb, the result says so.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def find_config(folder: Path) -> Path | None:
 def configured(verb: str) -> tuple[dict[str, Any], dict[str, Diagnostic]]:
     """The parameters of a verb that the file of the current folder says something about, as click wants them.
 
-    Also, by parameter, PG903 for each that asks for less than the verb does by itself.
+    Also, by parameter, PG903 for each that asks for less than the default of the verb.
 
     Raises:
         DiagnosticError: with everything wrong in the file.

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 
+from plcgen.diagnostics import PlcgenError
 from plcgen.input.printed import unprintable
 
 _PLACE = re.compile(r"\{\{(.*?)\}\}")
@@ -21,7 +22,7 @@ _NAME = re.compile(r"\w+")
 _PLAIN = re.compile(r"[\w.#]+")
 
 
-class StrayTextError(ValueError):
+class StrayTextError(PlcgenError, ValueError):
     """A text that would become something else at its place in a source."""
 
 

@@ -11,7 +11,7 @@ import re
 import unicodedata
 from typing import Annotated
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, WithJsonSchema
 
 from plcgen.input.lookalikes import disguise
 from plcgen.input.validation import problem
@@ -55,7 +55,7 @@ def _printed(value: str) -> str:
 
 def _not_blank(value: str) -> str:
     if not value.strip():
-        raise problem("a text is one line of printable characters, not blank", help_="write it, or leave the key out")
+        raise problem("a text is one line of printable characters, not empty", help_="write it, or leave the key out")
     return value
 
 
@@ -79,11 +79,18 @@ def _printed_if_text(value: object) -> object:
 _Bounded = Annotated[str, Field(max_length=MAX_TEXT)]
 Printed = Annotated[_Bounded, AfterValidator(_printed)]
 """Text for people, in one line: a comment, a title, a path."""
-Line = Annotated[Printed, AfterValidator(_not_blank)]
+_SOME_TEXT = WithJsonSchema({"type": "string", "minLength": 1, "maxLength": MAX_TEXT})
+Line = Annotated[Printed, AfterValidator(_not_blank), _SOME_TEXT]
 """A text that is not blank."""
-Reason = Annotated[Printed, AfterValidator(_reason)]
+Reason = Annotated[Printed, AfterValidator(_reason), _SOME_TEXT]
 """Why something is done that can do harm: a text with a word in it."""
-Name = Annotated[str, Field(max_length=MAX_NAME), AfterValidator(_printed), AfterValidator(_name)]
+Name = Annotated[
+    str,
+    Field(max_length=MAX_NAME),
+    AfterValidator(_printed),
+    AfterValidator(_name),
+    WithJsonSchema({"type": "string", "minLength": 1, "maxLength": MAX_NAME}),
+]
 """What something is called, or how it is referred to: a key, a member, a block, a parameter."""
 Value = Annotated[bool | int | float | _Bounded, AfterValidator(_printed_if_text)]
 """A value of a parameter or an address: a number, a truth value, or text, whose characters are bounded like others."""

@@ -77,9 +77,9 @@ SHORT = {
 }
 REFUSED = {
     "the longest ranges": "PG307",
-    "one value for a whole range": "PG307",
+    "one value for a whole range": "PG206",
     "ranges that are read back": "PG307",
-    "bits": "PG307",
+    "bits": "PG206",
     "buffers in data blocks": "PG223",
     "one unit under many names": "PG225",
     "variables that double": "PG114",

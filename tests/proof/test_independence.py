@@ -14,6 +14,11 @@ ENGINE = sorted((PACKAGE / "proof").rglob("*.py"))
 PROTOCOLS = sorted(PACKAGE.glob("protocols/*/proof/**/*.py"))
 GENERATOR = re.compile(r"plcgen\.(documents|templates)\b|plcgen\.protocols\.\w+\.(views|words|documents)\b")
 PLANNING = re.compile(r"plcgen\.protocols\.\w+\.(plan|kinds)\b")
+HELD = {
+    "protocols/ds47/proof/second.py": frozenset({"element_type"}),  # held against a second table, that is the check
+    "protocols/ds47/proof/wording/__init__.py": frozenset({"kind_called"}),  # the title that a third-party kind brings
+}
+"""Functions of the planner that a module of the proof looks at, and why."""
 NOUN = re.compile(r"[A-Z]\w*[a-z]\w*")
 
 
@@ -39,7 +44,8 @@ def test_of_the_plan_only_nouns_are_taken(path: Path) -> None:
     """A project is what the proof is about; functions and figures of what plans and packs it are the generator's."""
     tree = ast.walk(ast.parse(path.read_text("utf-8")))
     froms = [node for node in tree if isinstance(node, ast.ImportFrom) and PLANNING.match(node.module or "")]
-    assert [name.name for node in froms for name in node.names if not NOUN.fullmatch(name.name)] == []
+    taken = {name.name for node in froms for name in node.names if not NOUN.fullmatch(name.name)}
+    assert taken <= HELD.get(path.relative_to(PACKAGE).as_posix(), frozenset())
 
 
 @pytest.mark.parametrize("path", ENGINE, ids=lambda path: path.name)

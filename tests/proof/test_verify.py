@@ -64,7 +64,7 @@ def test_the_example_shows_oracles_and_ledger() -> None:
         grade, source = ledger[subject]
         assert (grade, "FAQ 109750712 (09/2017), figure" in source) == ("manual", True), subject
     about = {"parameters are reached through record 002Fh (profibus)", "an error is answered with 2 words",
-             "drive object 2 if nothing else is said, of 1, 2, 3, 4, 5, 6", "a value is answered in its own type",
+             "drive object 2 by default, of 1, 2, 3, 4, 5, 6", "a value is answered in its own type",
              "a telegram has 240 bytes, 39 parameters, 117 elements"}  # fmt: skip
     assert about <= {text for subject, text in ledger if subject == "sinamics-dcm"}
     assert {"records", "layout"} <= {subject for subject, _ in ledger}

@@ -83,7 +83,7 @@ jobs: {look: {drive: axis, read: [r21]}}
     [
         ("profibus: 47", "profibus: 47", "parameters are reached through record 002Fh (profibus)", Grade.MANUAL),
         ("profibus: 47", "profibus: 46", "parameters are reached through record 002Eh (profibus)", Grade.SECOND),
-        ("default: 2,", "default: 3,", "drive object 3 if nothing else is said, of any", Grade.SECOND),
+        ("default: 2,", "default: 3,", "drive object 3 by default, of any", Grade.SECOND),
         ("format: exact", "format: size", "a value is answered by size (41h to 43h)", Grade.SECOND),
     ],
 )

@@ -90,6 +90,8 @@ def _limits(use: Use, awaited: Awaited, wanted: object, place: SpecPath, resolve
         return
     low = -inf if parameter.minimum is None else parameter.minimum
     high = inf if parameter.maximum is None else parameter.maximum
+    if low > high:
+        return  # no value can keep them: told where they stand
     operator = awaited.operator
     if awaited.bit is not None:  # the highest bits are 0 in every value that is not negative
         if low < 0 or high >= 1 << awaited.bit:

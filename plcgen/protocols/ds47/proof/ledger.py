@@ -56,7 +56,7 @@ def _device(known: Device, drives: Sequence[PlannedDrive]) -> Iterator[Assumptio
     objects = "any" if known.drive_objects is None else ", ".join(map(str, known.drive_objects))
     printed = said is not None and said.drive_object == known.drive_object
     printed = printed and said is not None and (not said.drive_objects or said.drive_objects == known.drive_objects)
-    yield stated(f"drive object {known.drive_object} if nothing else is said, of {objects}", documented=printed)
+    yield stated(f"drive object {known.drive_object} by default, of {objects}", documented=printed)
     by_size = known.answer_format == "size"
     yield stated(
         f"a value is answered {'by size (41h to 43h)' if by_size else 'in its own type'}",
