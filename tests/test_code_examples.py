@@ -200,7 +200,7 @@ def every(group: click.Group) -> list[click.Command]:
     return [command for commands in below for command in commands]
 
 
-NO_VERBS = {"cannot", "did", "divide", "does", "from", "has", "is", "never", "or", "uses", "was"}
+NO_VERBS = {"cannot", "did", "divide", "does", "from", "has", "is", "never", "or", "then", "uses", "was"}
 """Words that follow the name of the tool in a sentence."""
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
-from plcgen.proof.checks import Check, CheckGroup, Verification
+from plcgen.proof.checks import Check, CheckGroup, Outcome, Verification
 from plcgen.proof.effort import Faults
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ def _inputs(asked: Asked, project: Project) -> str:
 
 
 def stated_group(proofs: Sequence[Proof], bench: ProgramBench) -> list[CheckGroup]:
-    """What the files do against what the spec demands; nothing if they do not compile, which is said elsewhere."""
+    """What the files do against what the spec demands; not run if they do not compile."""
     from plcgen.proof.making import Pending, make_checks
 
     place = Span(str(bench.folder))
@@ -156,6 +156,7 @@ def stated_group(proofs: Sequence[Proof], bench: ProgramBench) -> list[CheckGrou
         try:
             program = bench.program
         except DiagnosticError:
+            yield Check("spec", "spec", "", Outcome.NOT_RUN, "not run: the sources do not compile")
             return
         for proof in proofs:
             yield from proof.stated(program)

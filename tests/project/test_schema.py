@@ -179,8 +179,8 @@ VALUES = [
 ]  # fmt: skip
 EDITORS_MAY_BE_STRICTER = {"device", "baud", "version"}
 """What a rule refuses later, not the shape; and ``version: true``."""
-TEXTS = {"16#0A"}
-"""Numbers to the tool, texts to an editor."""
+TEXTS = {"16#0A", "''"}
+"""Numbers to the tool, texts to an editor; and a text that is empty, which some shapes take."""
 NUMBERS = {"firmware"}
 """2.1 is a version, 5 is none: to an editor both are numbers."""
 
