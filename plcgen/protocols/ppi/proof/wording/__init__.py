@@ -13,7 +13,7 @@ from types import MappingProxyType
 
 from plcgen.project.nouns import PlannedJob
 from plcgen.proof.wording.comments import EMPTY
-from plcgen.proof.wording.model import GuideLine, Shown, agrees, unmarked
+from plcgen.proof.wording.model import GuideLine, Shown, agrees, unmarked, untitled
 from plcgen.protocols.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue
 from plcgen.protocols.ppi.proof.wording import guide
 from plcgen.protocols.ppi.proof.wording.meanings import asked_items, called, holds, of_answer, of_table
@@ -303,4 +303,6 @@ def _sentence(role: str, name: str, baud: int = 0) -> frozenset[str]:
 def _listed(master: PlannedMaster, telegram: PpiTelegram) -> frozenset[str]:
     data = telegram.request.data
     frame = f"`{data.hex(' ').upper()}` ({len(data)} bytes; function code, reference, FCS and inputs change)"
-    return frozenset(f"telegram {telegram.number}: {title}: {frame}" for title in _of_telegram(master, telegram))
+    return frozenset(
+        f"telegram {telegram.number}: {untitled(title)}: {frame}" for title in _of_telegram(master, telegram)
+    )
