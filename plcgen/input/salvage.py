@@ -7,6 +7,7 @@ told of such an entry, and of those that name it.
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, Generic, NamedTuple
@@ -36,14 +37,11 @@ class Salvaged(Generic[Model]):
 
     def told(self, diagnostics: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
         """The diagnostics that do not follow from what was left out."""
+        doubtful, sound = _Regions(self.doubtful), _Regions(self.sound)
         for diagnostic in diagnostics:
-            if not any(self._in_doubt(place) for place in (diagnostic.span, *(note.span for note in diagnostic.notes))):
+            places = (diagnostic.span, *(note.span for note in diagnostic.notes))
+            if not any(doubtful.have(place) and not sound.have(place) for place in places):
                 yield diagnostic
-
-    def _in_doubt(self, place: Span) -> bool:
-        return any(_inside(place, region) for region in self.doubtful) and not any(
-            _inside(place, region) for region in self.sound
-        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,8 +66,7 @@ def salvage(
     if root.kind != "map":
         return None
     mending = _Mending(root, shape, parts)
-    for found in problems:
-        mending.doubt_at(found.span)
+    mending.doubt_at([found.span for found in problems])
     for _ in range(_ROUNDS):
         model = mending.model()
         try:
@@ -220,13 +217,17 @@ class _Mending(Generic[Model]):
         self.names |= {str(keys[entry]), *_entries(steps[entry].below, self.parts.sections)}
         return steps[entry].above, steps[entry].below
 
-    def doubt_at(self, place: Span) -> None:
-        """A place that could not be read well: its entry is in doubt, and everything that names it."""
+    def doubt_at(self, places: list[Span]) -> None:
+        """Places that could not be read well: their entries are in doubt, and everything that names these."""
+        if not places:
+            return
+        starts = sorted((place.file, place.line, place.column) for place in places)
         for step in self.all_entries(self.root):
-            if _inside(place, step.region):
+            start, end = _bounds(step.region)
+            if bisect_left(starts, start) < bisect_left(starts, end):
                 self.doubtful.append(step.region)
                 self.names.add(str(step.key))
-        self.doubtful.append(place)
+        self.doubtful += places
 
     def doubt_names(self) -> None:
         """Doubt every entry that names one that is gone."""
@@ -251,7 +252,26 @@ def _entries(node: YamlNode, sections: frozenset[str]) -> Iterator[str]:
         yield from node.pairs[key][1].pairs
 
 
-def _inside(place: Span, region: Span) -> bool:
-    """Whether a place begins in a region of the same file."""
-    start, end = (region.line, region.column), (region.end_line, region.end_column)
-    return place.file == region.file and start <= (place.line, place.column) < end
+class _Regions:
+    """Regions of files joined where they overlap, so that a place is found among many of them at once."""
+
+    def __init__(self, regions: Iterable[Span]) -> None:
+        self._starts: list[tuple[str, int, int]] = []
+        self._ends: list[tuple[str, int, int]] = []
+        for start, end in sorted(map(_bounds, regions)):
+            if self._ends and start <= self._ends[-1]:
+                self._ends[-1] = max(end, self._ends[-1])
+            else:
+                self._starts.append(start)
+                self._ends.append(end)
+
+    def have(self, place: Span) -> bool:
+        """Whether a place begins in one of the regions."""
+        start = (place.file, place.line, place.column)
+        number = bisect_right(self._starts, start)
+        return number > 0 and start < self._ends[number - 1]
+
+
+def _bounds(region: Span) -> tuple[tuple[str, int, int], tuple[str, int, int]]:
+    """Where a region begins and ends, the end exclusive."""
+    return (region.file, region.line, region.column), (region.file, region.end_line, region.end_column)

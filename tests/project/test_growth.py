@@ -34,6 +34,8 @@ GROWS: dict[str, Callable[[int], str]] = {
     "drives": lambda n: drives(n) + "  j: {drive: drv0, read: [P1120]}\n",
     "unknown drives": lambda n: drives(n) + rows("  j#: {drive: dvr#, read: [P1120]}", n),
     "unknown recipes": lambda n: recipes(n) + rows("  j#: {drive: d, write_recipe: s#}", n),
+    "unknown variables": lambda n: f"{HEAD}{ONE}jobs:\n" + rows("  j#: {drive: d, read: [$(x#)]}", n),
+    "unknown keys": lambda n: f"{HEAD}{ONE}jobs:\n" + rows("  j#: {drive: d, read: [P1120], colour: 1}", n),
     "jobs": lambda n: f"{HEAD}{ONE}jobs:\n" + rows("  j#: {drive: d, write: {P1120: 1.#}}", n),
 }
 
