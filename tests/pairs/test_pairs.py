@@ -1,4 +1,4 @@
-"""A fixed sample of the specs by combination, in which every value of every dimension occurs; make pairs tries all."""
+"""A fixed sample of the specs by combination: every value of every dimension, long times excepted; make pairs tries all."""
 
 from __future__ import annotations
 
@@ -11,16 +11,20 @@ from pairs.cover import Row, cover, sample
 from pairs.refusals import DRIVES, impossible, refused
 from pairs.trial import tried
 
-PAGES = pytest.mark.xfail(
-    reason="PG612 and PG614 of notes on V14..V15.1 and V20, of comments with // or double blanks, and of 'unused'",
+OPEN = pytest.mark.xfail(
+    reason="open: PG641 of a recipe, octet strings at index 32766, arrays of BinaryDate on an S7-400",
     strict=False,
 )
-"""Statements of pages are red without a fault in some of these specs."""
-DRIVE_ROWS = sample(cover(drives.DIMENSIONS, lambda row: not refused(row, DRIVES)))
+"""Of the specs with drives some are red, and nobody has found out yet whether that is a fault."""
+DRIVE_ROWS = [
+    row
+    for row in sample(cover(drives.DIMENSIONS, lambda row: not refused(row, DRIVES)))
+    if row["times"] != "long"  # a minute of CPU time each: only in make pairs
+]
 PPI_ROWS = sample(cover(ppi.DIMENSIONS, lambda row: not refused(row, ppi.REFUSALS)))
 
 
-@PAGES
+@OPEN
 @pytest.mark.slow
 @pytest.mark.parametrize("row", DRIVE_ROWS, ids=range(len(DRIVE_ROWS)))
 def test_a_spec_with_drives_is_generated_and_verified(row: Row, tmp_path) -> None:
@@ -28,7 +32,6 @@ def test_a_spec_with_drives_is_generated_and_verified(row: Row, tmp_path) -> Non
     assert not tried(drives.spec(row), tmp_path)
 
 
-@PAGES
 @pytest.mark.slow
 @pytest.mark.parametrize("row", PPI_ROWS, ids=range(len(PPI_ROWS)))
 def test_a_spec_with_a_master_is_generated_and_verified(row: Row, tmp_path) -> None:
