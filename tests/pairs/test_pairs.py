@@ -1,4 +1,4 @@
-"""A fixed sample of the specs by combination: every value of every dimension, long times excepted; make pairs tries all."""
+"""A fixed sample of specs by combination: every value of every dimension, long times excepted; make pairs tries all."""
 
 from __future__ import annotations
 
