@@ -43,7 +43,7 @@ pairs: $(READY)
 engine: $(READY)
 	@rm -rf .engine && mkdir .engine
 	$(BIN)/python tests/ds47/engine_folders.py .engine > .engine/list
-	$(BIN)/python -m plcgen.protocols.ds47.proof.engine $(EFFORT) `grep S$$ .engine/list` `grep -v S$$ .engine/list`
+	$(BIN)/python -m plcgen.ds47.proof.engine $(EFFORT) `grep S$$ .engine/list` `grep -v S$$ .engine/list`
 
 mutate: $(READY)
 	$(BIN)/python -m mutation
@@ -81,7 +81,7 @@ example-diff: $(READY)
 	@git --no-pager diff --no-index .examples/before .examples/after || true
 
 docs: $(READY)
-	$(BIN)/python -m plcgen.diagnostics.pages docs/codes
+	$(BIN)/python -m plcgen.base.diagnostics.pages docs/codes
 
 # The documentation as a site, in the folder site; MkDocs has an environment of its own.
 SITE := .venv-site/bin

@@ -18,7 +18,7 @@ TELEGRAMS = tuple(
 
 def rates(seconds: float = 1.0) -> tuple[float, float]:
     """Round trips per second of the codec, and of struct.unpack/pack of the same bytes (no checks, no objects)."""
-    from plcgen.protocols.ds47.wire.codec import decode_request, encode_request
+    from plcgen.ds47.wire.codec import decode_request, encode_request
 
     def codec(data: bytes) -> bytes:
         return encode_request(decode_request(data))

@@ -13,11 +13,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 from plcgen import api
-from plcgen.cpu.compiler.block import compile_block
-from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.folder import load_folder
-from plcgen.cpu.program import Program
-from plcgen.scl.dialect import Dialect
+from plcgen.s7.cpu.compiler.block import compile_block
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.folder import load_folder
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.scl.dialect import Dialect
 
 ROOT = Path(__file__).resolve().parents[1]
 SPECS = {

@@ -24,10 +24,10 @@ def ratio(jobs: int = 1000) -> tuple[float, float, float]:
 
     Without the documents that are made from the text of others: see :func:`code`.
     """
-    from plcgen.diagnostics import Report
-    from plcgen.documents.engine import emit
-    from plcgen.documents.environment import environment, render_all
-    from plcgen.documents.manifest import entry, manifest
+    from plcgen.base.diagnostics import Report
+    from plcgen.build.engine import emit
+    from plcgen.build.environment import environment, render_all
+    from plcgen.build.manifest import entry, manifest
     from plcgen.project.loading import parse_spec
     from plcgen.project.resolve import resolve
     from plcgen.project.rules import apply_rules
@@ -75,9 +75,9 @@ def code(jobs: int = 100) -> tuple[float, float, float, float]:
     from jinja2 import Environment
     from lxml import etree
 
-    from plcgen.diagnostics import Report
-    from plcgen.documents.engine import emit
-    from plcgen.documents.environment import render_text
+    from plcgen.base.diagnostics import Report
+    from plcgen.build.engine import emit
+    from plcgen.build.environment import render_text
     from plcgen.project.loading import parse_spec
     from plcgen.project.resolve import resolve
 

@@ -10,10 +10,10 @@ from contextlib import contextmanager
 from statistics import median
 from typing import Any
 
-from plcgen.line.endpoint import EndpointLine
-from plcgen.protocols.ppi.client import Client
-from plcgen.protocols.ppi.sim import Bus, Station
-from plcgen.protocols.ppi.wire.model import Item
+from plcgen.base.line.endpoint import EndpointLine
+from plcgen.ppi.client import Client
+from plcgen.ppi.sim import Bus, Station
+from plcgen.ppi.wire.model import Item
 
 GOAL = 1.0
 """Reads per second as a multiple of snap7's: over it we are faster."""
@@ -135,8 +135,8 @@ SCATTERED = (
 
 def telegrams() -> tuple[int, int, int, float, float]:
     """Items, telegrams used, telegrams with 19 items each as asked; seconds at 9600 bit/s packed and one by one."""
-    from plcgen.protocols.ppi.wire.address import parse_item
-    from plcgen.protocols.ppi.wire.pack import pack_read
+    from plcgen.ppi.wire.address import parse_item
+    from plcgen.ppi.wire.pack import pack_read
 
     items = [parse_item(text) for text in SCATTERED]
     plan = pack_read(items)
@@ -147,7 +147,7 @@ def telegrams() -> tuple[int, int, int, float, float]:
 
 def _seconds(items: list[Item]) -> float:
     """Time on the line: request, E5, poll, answer; 11 bits a character at 9600 bit/s, no pauses."""
-    from plcgen.protocols.ppi.wire.pdu import reply_size
+    from plcgen.ppi.wire.pdu import reply_size
 
     characters = (9 + 10 + 2 + 12 * len(items)) + 1 + 6 + (9 + reply_size(items))
     return characters * 11 / 9600

@@ -16,10 +16,10 @@ from typing import Any
 
 from bench import cpu_speed
 from plcgen import api
-from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.program import Program
-from plcgen.scl.dialect import Dialect
-from plcgen.scl.parser import parse
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.scl.parser import parse
 
 ROOT = Path(__file__).resolve().parents[1]
 COPIES = 4

@@ -11,13 +11,13 @@ from statistics import median
 
 from plcgen import api
 from plcgen.__main__ import collect_rarely
-from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
-from plcgen.s7.types import ELEMENTARY, Member
-from plcgen.simaticml.reading.documents import read_simaticml
-from plcgen.simaticml.versions import VERSIONS
-from plcgen.simaticml.writing.documents import Setting, document
-from plcgen.simaticml.writing.scope import BlockScope
-from plcgen.simaticml.writing.structured_text import elements, numbered
+from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind
+from plcgen.s7.types.data_types import ELEMENTARY, Member
+from plcgen.s7.xml.reading.documents import read_simaticml
+from plcgen.s7.xml.versions import VERSIONS
+from plcgen.s7.xml.writing.documents import Setting, document
+from plcgen.s7.xml.writing.scope import BlockScope
+from plcgen.s7.xml.writing.structured_text import elements, numbered
 
 ROOT = Path(__file__).resolve().parent.parent
 SIZES = (1, 5, 20)
@@ -34,7 +34,7 @@ def code_export(megabytes: float) -> bytes:
         api.generate(ROOT / "specs/s7-1500_g120_pn.yaml", Path(folder) / "out")
         blocks, _ = read_simaticml(Path(folder) / "out/xml/SetRamps.xml")
     (block,) = blocks
-    from plcgen.scl.lexer import tokenize
+    from plcgen.s7.scl.lexer import tokenize
 
     code = f"{block.code}\n"
     once = elements(tokenize(code, "bench"), 0, len(code), BlockScope.of(block), SETTING)

@@ -18,8 +18,8 @@ RECORDS = Path(__file__).parent / "data" / "work_memory.json"
 
 def sizes(folder: Path) -> dict[str, int]:
     """Figures of a folder of sources: lines, blocks, bytes."""
-    from plcgen.inspection.memory.estimate import estimate
-    from plcgen.scl.dialect import Dialect
+    from plcgen.s7.memory.estimate import estimate
+    from plcgen.s7.scl.dialect import Dialect
 
     found = estimate(folder, Dialect.STEP7_V5)
     blocks = [block for block in found.blocks if block.kind == "FB"]

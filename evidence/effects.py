@@ -3,7 +3,7 @@
 A list is a file ``<name>.tsv`` with a line that names it, a line of headings (letter, number, title, type, objects,
 notes among them) and a line for each parameter. ``effects_rules.tsv`` classifies what can be written in it: the first
 rule that fits decides, and every number must have one. ``effects_rows.tsv`` adds numbers of families without a list.
-What comes out is ``plcgen/protocols/ds47/effects.tsv``: facts alone, the same for the same lists and rules.
+What comes out is ``plcgen/ds47/effects.tsv``: facts alone, the same for the same lists and rules.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
-from plcgen.protocols.ds47 import effects
+from plcgen.ds47 import effects
 
 RULES = Path(__file__).with_name("effects_rules.tsv")
 ROWS = Path(__file__).with_name("effects_rows.tsv")

@@ -9,9 +9,9 @@ import random
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from plcgen.s7.types import elementary
-from plcgen.scl import ast
-from plcgen.scl.parser import ParseResult
+from plcgen.s7.scl import ast
+from plcgen.s7.scl.parser import ParseResult
+from plcgen.s7.types.data_types import elementary
 
 TOKEN, TYPE = "token", "type"
 _DELETED = frozenset("THEN DO OF END_IF END_FOR END_CASE END_WHILE UNTIL END_REPEAT ) ]".split())  # noqa: SIM905

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from evidence.signatures import engineering
 from plcgen import api
-from plcgen.simaticml.reading.xml import child, children, load, local, parse_xml, text
-from plcgen.sources.plcs import by_plc
+from plcgen.s7.read.plcs import by_plc
+from plcgen.s7.xml.reading.xml import child, children, load, local, parse_xml, text
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element

@@ -21,18 +21,18 @@ from typing import Any
 
 from evidence.faults import TOKEN, TYPE, faults
 from evidence.faults import found as is_found
-from plcgen.cpu.folder import Tags, read_tag_file
-from plcgen.cpu.program import Program
-from plcgen.cpu.sources import SourceCheck, check_program, check_source, find_documents, find_sources
-from plcgen.cpu.surroundings import Surroundings
-from plcgen.cpu.type_rules import IecCheck
-from plcgen.diagnostics import Diagnostic, Severity
-from plcgen.documents.convert import convert
-from plcgen.scl.dialect import BY_NAME, Dialect
-from plcgen.scl.parser import ParseResult, parse
-from plcgen.sources.plcs import by_plc
-from plcgen.sources.symbols import SUFFIXES
-from plcgen.sources.text import load_text
+from plcgen.base.diagnostics import Diagnostic, Severity
+from plcgen.build.convert import convert
+from plcgen.s7.cpu.folder import Tags, read_tag_file
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.cpu.sources import SourceCheck, check_program, check_source, find_documents, find_sources
+from plcgen.s7.cpu.surroundings import Surroundings
+from plcgen.s7.cpu.type_rules import IecCheck
+from plcgen.s7.read.plcs import by_plc
+from plcgen.s7.read.symbols import SUFFIXES
+from plcgen.s7.read.text import load_text
+from plcgen.s7.scl.dialect import BY_NAME, Dialect
+from plcgen.s7.scl.parser import ParseResult, parse
 
 KEPT = Path(__file__).with_name("scl.toml")
 NAMES = frozenset({"PG806", "PG820", "PG825"})

@@ -12,8 +12,8 @@ import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from plcgen.scl.lexer import KEYWORDS
-from plcgen.simaticml.reading.xml import child, children, local, text
+from plcgen.s7.scl.lexer import KEYWORDS
+from plcgen.s7.xml.reading.xml import child, children, local, text
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element

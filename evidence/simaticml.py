@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 from evidence.round_trip import compare
 from evidence.signatures import Signature, engineering, objects, signatures
-from plcgen.diagnostics import DiagnosticError, Severity
-from plcgen.simaticml.reading.documents import read_simaticml, read_tag_table
-from plcgen.simaticml.reading.xml import load, local, parse_xml
+from plcgen.base.diagnostics import DiagnosticError, Severity
+from plcgen.s7.xml.reading.documents import read_simaticml, read_tag_table
+from plcgen.s7.xml.reading.xml import load, local, parse_xml
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element

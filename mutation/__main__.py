@@ -16,7 +16,7 @@ from mutation.engine import ENGINE
 from mutation.equivalent import reason
 from mutation.known import FAQ, KNOWN, MM4, PUMP
 from mutation.run import Verdict, notice
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.plan.nouns import DrivePlan
 
 GOAL = 99.0
 """Percent of mutants that must be noticed, of every line of the table."""

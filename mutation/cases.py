@@ -16,13 +16,13 @@ from mutation.engine import ENGINE, FILES
 from mutation.known import KNOWN
 from mutation.operators import Mutant, dropped, swapped, tokens
 from plcgen import api
-from plcgen.diagnostics import Report
+from plcgen.base.diagnostics import Report
+from plcgen.ds47.plan.nouns import DrivePlan
 from plcgen.project.loading import load_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
 from plcgen.proof.suite import CodeBlock
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.scl.dialect import Dialect
+from plcgen.s7.scl.dialect import Dialect
 
 ROOT = Path(__file__).resolve().parent.parent
 PPI = tuple(sorted(path.stem for path in (ROOT / "mutation" / "specs").glob("*.yaml")))

@@ -8,8 +8,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from plcgen.scl import ast
-from plcgen.scl.parser import parse
+from plcgen.s7.scl import ast
+from plcgen.s7.scl.parser import parse
 
 SWAPS = {
     "<>": ("=",), "=": ("<>",), "<": ("<=", ">="), ">": (">=", "<="), "<=": ("<",), ">=": (">",),

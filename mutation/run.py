@@ -10,7 +10,7 @@ from pathlib import Path
 
 from mutation.cases import Case, encoding_of, golden, project_of, run_folder
 from mutation.engine import ENGINE, first_failure
-from plcgen.diagnostics import DiagnosticError
+from plcgen.base.diagnostics import DiagnosticError
 from plcgen.proof.execution import Work, coverage, run_job, run_together
 from plcgen.proof.results import Result, added
 from plcgen.proof.rig import ProgramBench

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from plcgen import _moved
 from plcgen._version import __version__
 
 if TYPE_CHECKING:
@@ -37,7 +38,9 @@ if TYPE_CHECKING:
         verify,
         verify_shard,
     )
-    from plcgen.diagnostics import Diagnostic, DiagnosticError, Note, PlcgenError, Severity, Span
+    from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Note, PlcgenError, Severity, Span
+
+_moved.install()
 
 __all__ = [
     "CheckResult",
@@ -82,7 +85,7 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'plcgen' has no attribute {name!r}")
     from importlib import import_module
 
-    return getattr(import_module("plcgen.diagnostics" if name in _DIAGNOSTICS else "plcgen.api"), name)
+    return getattr(import_module("plcgen.base.diagnostics" if name in _DIAGNOSTICS else "plcgen.api"), name)
 
 
 def __dir__() -> list[str]:

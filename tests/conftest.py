@@ -17,8 +17,8 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from plcgen.__main__ import collect_rarely
-from plcgen.cpu import program
-from plcgen.cpu.compiler import block
+from plcgen.s7.cpu import program
+from plcgen.s7.cpu.compiler import block
 
 settings.register_profile("plcgen", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("plcgen")
@@ -82,7 +82,7 @@ LARGEST = 200_000
 @pytest.fixture(autouse=True, scope="session")
 def _results_have_their_shape() -> Iterator[None]:
     """Every JSON result of every test is what ``plcgen schema output`` says."""
-    from plcgen.output.registry import OutputFormat
+    from plcgen.report.registry import OutputFormat
 
     render, known = OutputFormat.render, []
 
@@ -92,7 +92,7 @@ def _results_have_their_shape() -> Iterator[None]:
             if not known:
                 from jsonschema import Draft202012Validator
 
-                from plcgen.output.shapes import output_schema
+                from plcgen.report.shapes import output_schema
 
                 known.append(Draft202012Validator(output_schema()))
             wrong = [f"{list(one.absolute_path)}: {one.message}" for one in known[0].iter_errors(json.loads(text))]
@@ -109,11 +109,11 @@ def distribution(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[Callable[[str, str, str, str | Path], None]]:
     """Returns what installs a distribution: a module, as text or as the folder of a package, with an entry point."""
-    from plcgen.plugins import offered
+    from plcgen.base.plugins import offered
+    from plcgen.ds47.kinds.registry import kinds
+    from plcgen.ds47.schema import drive_sections
+    from plcgen.project.registry import protocols
     from plcgen.project.shape import spec_model
-    from plcgen.protocols.ds47.kinds.registry import kinds
-    from plcgen.protocols.ds47.schema import drive_sections
-    from plcgen.protocols.registry import protocols
 
     site, modules = tmp_path / "site", set[str]()
     site.mkdir()

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from yaml_files import read_yaml
 
-from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
-from plcgen.s7.types import ArrayType, DataType, Member, NamedType, StringType, StructType, elementary
+from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind
+from plcgen.s7.types.data_types import ArrayType, DataType, Member, NamedType, StringType, StructType, elementary
 
 VECTORS = Path(__file__).parent / "vectors" / "layouts.yaml"
 

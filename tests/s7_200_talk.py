@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from plcgen.protocols.ppi.sim import Bus
-from plcgen.protocols.ppi.wire.address import parse_item
-from plcgen.protocols.ppi.wire.model import (
+from plcgen.ppi.sim import Bus
+from plcgen.ppi.wire.address import parse_item
+from plcgen.ppi.wire.model import (
     FrameCount,
     Item,
     ItemWrite,
@@ -19,7 +19,7 @@ from plcgen.protocols.ppi.wire.model import (
     WriteReply,
     WriteRequest,
 )
-from plcgen.protocols.ppi.wire.telegram import decode_telegram, encode_poll, encode_request
+from plcgen.ppi.wire.telegram import decode_telegram, encode_poll, encode_request
 
 E5 = b"\xe5"
 

@@ -9,8 +9,8 @@ import types
 import pytest
 
 import plcgen
-from plcgen.cpu.compiler.functions import Reported
-from plcgen.scl.cursor import Halt
+from plcgen.s7.cpu.compiler.functions import Reported
+from plcgen.s7.scl.cursor import Halt
 
 PUBLIC = [
     "CheckResult",
@@ -58,10 +58,10 @@ def test_public_names():
 
 
 def test_import_is_free():
-    """``import plcgen`` loads nothing of the package but the version."""
+    """``import plcgen`` loads nothing of the package but its version and old names."""
     code = "import sys, plcgen; print(*[m for m in sys.modules if m.startswith(('plcgen', 'click', 'yaml'))])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert set(done.stdout.split()) == {"plcgen", "plcgen._version"}
+    assert set(done.stdout.split()) == {"plcgen", "plcgen._moved", "plcgen._version"}
 
 
 def modules():
@@ -129,7 +129,7 @@ def test_a_word_that_an_argument_does_not_know(call, words):
 
 def test_decode_and_encode():
     """FAQ 109750712, figure 5-1: request and response of P50303 = 10.0."""
-    from plcgen.protocols.ds47.wire.model import ParameterAddress
+    from plcgen.ds47.wire.model import ParameterAddress
 
     request = plcgen.encode_read([ParameterAddress(50303)], drive_object=2, reference=3)
     assert request.hex(" ").upper() == "03 01 02 01 10 01 C4 7F 00 00"

@@ -14,7 +14,7 @@ import pytest
 from yaml_files import read_yaml
 
 from plcgen import api
-from plcgen.diagnostics import Diagnostic, Span
+from plcgen.base.diagnostics import Diagnostic, Span
 
 CASES = Path(__file__).parent / "cases"
 FILES = sorted(CASES.glob("PG[1-4]??.yaml"))

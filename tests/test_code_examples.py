@@ -18,13 +18,13 @@ import pytest
 from click.testing import CliRunner
 from ds47.live.servers import DriveServer, free_port, running
 
+from plcgen.base.diagnostics import pages
+from plcgen.base.diagnostics.codes import CodeInfo, all_codes, code
+from plcgen.base.line.tcp import TcpServer
 from plcgen.cli.main import cli, run
-from plcgen.diagnostics import pages
-from plcgen.diagnostics.codes import CodeInfo, all_codes, code
-from plcgen.line.tcp import TcpServer
-from plcgen.protocols.ppi.sim import Bus, Station
-from plcgen.protocols.ppi.sim.cpu import Switch
-from plcgen.protocols.ppi.sim.serve import Serving
+from plcgen.ppi.sim import Bus, Station
+from plcgen.ppi.sim.cpu import Switch
+from plcgen.ppi.sim.serve import Serving
 
 SPEC = """\
 plc: {{name: Press 4, family: s7-300, toolchain: step7-v5}}

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from plcgen.diagnostics import Severity, pages
-from plcgen.diagnostics.codes import all_codes, code
+from plcgen.base.diagnostics import Severity, pages
+from plcgen.base.diagnostics.codes import all_codes, code
 
 ROOT = Path(__file__).resolve().parents[1]
 _USED = re.compile(r'"(PG\d{3})"')
@@ -59,7 +59,7 @@ def test_a_code_is_found_in_any_case() -> None:
 
 
 def test_the_pages_are_in_sync() -> None:
-    """docs/codes holds exactly what the table says (python -m plcgen.diagnostics.pages docs/codes)."""
+    """docs/codes holds exactly what the table says (python -m plcgen.base.diagnostics.pages docs/codes)."""
     folder = ROOT / "docs" / "codes"
     on_disk = {path.name: path.read_text("utf-8") for path in folder.glob("*.md")}
     assert on_disk == pages.pages()

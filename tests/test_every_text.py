@@ -14,12 +14,12 @@ from itertools import cycle
 from schema_walk import Place, Walk
 
 from plcgen import api
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report
-from plcgen.input.validation import load_document
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Report
+from plcgen.base.files.validation import load_document
+from plcgen.ds47.profile import PROFILE
+from plcgen.ds47.sim.load import load_drive
+from plcgen.ppi.sim.load import load_bus
 from plcgen.project.loading import parse_spec
-from plcgen.protocols.ds47.profile import PROFILE
-from plcgen.protocols.ds47.sim.load import load_drive
-from plcgen.protocols.ppi.sim.load import load_bus
 
 HOSTILE = "PLCGEN_HOSTILE" in os.environ
 CHARACTERS = [

@@ -60,18 +60,18 @@ def test_no_circles() -> None:
 
 def test_the_graph_sees_imports_inside_functions() -> None:
     """A face imports its parts when they are asked for: the graph knows that it does."""
-    assert "plcgen.protocols.ds47.plan.resolve" in graph()["plcgen.protocols.ds47"]
-    assert "plcgen.protocols.ds47.schema" in reachable("plcgen.protocols.ds47")
+    assert "plcgen.ds47.plan.resolve" in graph()["plcgen.ds47"]
+    assert "plcgen.ds47.schema" in reachable("plcgen.ds47")
 
 
 def test_no_room_asks_which_protocol_it_has() -> None:
     """Outside the protocols, the program above them and their own verbs, nothing imports a protocol."""
-    above = ("plcgen.protocols.", "plcgen.api", "plcgen.cli")
+    above = ("plcgen.ds47", "plcgen.ppi", "plcgen.api", "plcgen.cli")
     found = {
         (name, module)
         for name, modules in graph().items()
         for module in modules
-        if module.startswith(("plcgen.protocols.ds47", "plcgen.protocols.ppi"))
+        if module.startswith(("plcgen.ds47", "plcgen.ppi"))
         if not name.startswith(above)
     }
     assert found == set()
@@ -80,8 +80,8 @@ def test_no_room_asks_which_protocol_it_has() -> None:
 def test_protocols_do_not_know_each_other() -> None:
     """Neither imports anything of the other."""
     for own, other in (("ds47", "ppi"), ("ppi", "ds47")):
-        inside = [name for name in graph() if name.startswith(f"plcgen.protocols.{own}")]
-        found = {(name, m) for name in inside for m in graph()[name] if m.startswith(f"plcgen.protocols.{other}")}
+        inside = [name for name in graph() if name.startswith(f"plcgen.{own}.")]
+        found = {(name, m) for name in inside for m in graph()[name] if m.startswith(f"plcgen.{other}.")}
         assert found == set()
 
 

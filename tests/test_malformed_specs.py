@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.resources import specs_dir
+from plcgen.base.resources import specs_dir
 
 pytestmark = pytest.mark.slow
 Mutate = Callable[[str], Iterator[tuple[str, str]]]

@@ -10,10 +10,10 @@ import pytest
 from projects import FAQ, ROOT
 
 import plcgen
-from plcgen.documents.rendering import render_project
+from plcgen.build.rendering import render_project
 from plcgen.project.nouns import Plan, Project
-from plcgen.s7.blocks import Block
-from plcgen.scl import ast
+from plcgen.s7.scl import ast
+from plcgen.s7.types.blocks import Block
 
 SPECS = [FAQ, ROOT / "specs" / "s7-1200_s7-200_ppi.yaml"]
 

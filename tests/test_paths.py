@@ -15,14 +15,14 @@ import pytest
 from projects import FAQ
 
 from plcgen import api
-from plcgen.diagnostics import DiagnosticError
-from plcgen.documents.environment import RenderedFile
-from plcgen.documents.writing import add_files
-from plcgen.input.files import below
-from plcgen.input.workbook import WorkbookError, read_sheets
-from plcgen.paths import trap_in
-from plcgen.programs import candidates, find_program
-from plcgen.signoff.revision import _of_interest
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.base.files.files import below
+from plcgen.base.files.workbook import WorkbookError, read_sheets
+from plcgen.base.paths import trap_in
+from plcgen.base.programs import candidates, find_program
+from plcgen.build.environment import RenderedFile
+from plcgen.build.writing import add_files
+from plcgen.report.review.revision import _of_interest
 
 # What Python 3.13 offers in its place does not exist in 3.11.
 pytestmark = pytest.mark.filterwarnings(r"ignore:pathlib\.PurePath\.is_reserved:DeprecationWarning")

@@ -11,10 +11,10 @@ from projects import ROOT, SPECS
 
 import plcgen
 from plcgen import api
-from plcgen.diagnostics import PluginError
+from plcgen.base.diagnostics import PluginError
 from plcgen.project.nouns import Plan
-from plcgen.protocols.base import Protocol
-from plcgen.protocols.registry import SHIPPED, protocols
+from plcgen.project.registry import SHIPPED, protocols
+from plcgen.protocol.base import Protocol
 
 SPEC = """
 plc: {name: Toys, family: FAMILY, toolchain: TOOLCHAIN}

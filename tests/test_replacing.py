@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from plcgen.replacing import replace_file
+from plcgen.base.replacing import replace_file
 
 
 def left(folder: Path) -> dict[str, bytes]:

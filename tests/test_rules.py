@@ -9,12 +9,12 @@ import pytest
 from work import calls_of
 
 from plcgen import api
-from plcgen.diagnostics import Diagnostic, Report
+from plcgen.base.diagnostics import Diagnostic, Report
+from plcgen.base.resources import templates_dir
 from plcgen.project.loading import parse_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
 from plcgen.project.rules import apply_rules
-from plcgen.resources import templates_dir
 
 PLC = "plc: {name: a, family: s7-300, toolchain: tia-v16}\n"
 DRIVE = "drives: {d: {device: sinamics-dcm, address: 256}}\n"

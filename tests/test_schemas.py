@@ -18,16 +18,16 @@ from projects import FAQ, ROOT, generated_example
 
 from plcgen import api
 from plcgen.api.schemas import SCHEMAS
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.base.display.view import PLAIN
 from plcgen.cli.main import run
 from plcgen.cli.schema import KINDS
-from plcgen.diagnostics import DiagnosticError
-from plcgen.display.view import PLAIN
-from plcgen.inspection.compare.lockread import read_lock
-from plcgen.inspection.compare.policyfile import load_policy
-from plcgen.output.registry import output_format
-from plcgen.protocols.ds47.recording.faults import plan_faults
-from plcgen.protocols.ds47.sim.load import load_drive
-from plcgen.protocols.ppi.sim.load import load_bus
+from plcgen.ds47.recording.faults import plan_faults
+from plcgen.ds47.sim.load import load_drive
+from plcgen.ppi.sim.load import load_bus
+from plcgen.report.diff.lockread import read_lock
+from plcgen.report.registry import output_format
+from plcgen.s7.compare.policyfile import load_policy
 
 
 @cache

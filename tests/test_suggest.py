@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from plcgen.diagnostics.suggest import near
+from plcgen.base.diagnostics.suggest import near
 
 DEVICES = ["micromaster-4", "profidrive", "sinamics-dcm", "sinamics-g120", "unit-of-the-axis", "cover_of_the_axis"]
 

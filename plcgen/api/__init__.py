@@ -22,16 +22,7 @@ if TYPE_CHECKING:
         verify_shard,
     )
     from plcgen.api.schemas import schema
-    from plcgen.api.sources import (
-        SPEC_SUFFIXES,
-        ConvertResult,
-        audit,
-        check_lock,
-        convert,
-        diff,
-        layout,
-        lock,
-    )
+    from plcgen.api.sources import SPEC_SUFFIXES, ConvertResult, audit, check_lock, convert, diff, layout, lock
     from plcgen.api.telegrams import (
         EncodedTelegram,
         EncodeResult,
@@ -42,8 +33,8 @@ if TYPE_CHECKING:
         encode_write,
         explain,
     )
-    from plcgen.inspection.layout.tables import LayoutResult
-    from plcgen.s7.families import Family
+    from plcgen.s7.tables.tables import LayoutResult
+    from plcgen.s7.types.families import Family
 
 __all__ = [
     "SPEC_SUFFIXES",
@@ -83,8 +74,8 @@ _TELEGRAMS = frozenset(
 )
 
 _ELSEWHERE = {
-    "Family": "plcgen.s7.families",
-    "LayoutResult": "plcgen.inspection.layout.tables",
+    "Family": "plcgen.s7.types.families",
+    "LayoutResult": "plcgen.s7.tables.tables",
     "schema": "plcgen.api.schemas",
 }
 

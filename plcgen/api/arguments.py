@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from plcgen.diagnostics import ArgumentError
+from plcgen.base.diagnostics import ArgumentError
 
 
 def expect(name: str, value: str | None, words: Iterable[str]) -> None:

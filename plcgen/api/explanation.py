@@ -5,11 +5,11 @@ from __future__ import annotations
 import dataclasses
 import re
 
-from plcgen.diagnostics.codes import all_codes
-from plcgen.diagnostics.codes import code as code_info
-from plcgen.display.page import Page
-from plcgen.protocols.ds47 import hardware
-from plcgen.protocols.registry import protocols
+from plcgen.base.diagnostics.codes import all_codes
+from plcgen.base.diagnostics.codes import code as code_info
+from plcgen.base.display.page import Page
+from plcgen.ds47 import hardware
+from plcgen.project.registry import protocols
 
 _NUMBER = re.compile(r"(?:(?:B|W|DW|BYTE|WORD|DWORD)#)?(?:16#|0x|\$)?([0-9a-f_]{1,10})(h?)\Z", re.IGNORECASE)
 _CODE = re.compile(r"PG[0-9]{3}\Z", re.IGNORECASE)

@@ -8,22 +8,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from plcgen.api.arguments import expect
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span, has_errors
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span, has_errors
 from plcgen.proof.effort import FAULTS, Faults
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from concurrent.futures import Executor
 
-    from plcgen.documents.writing import WrittenFolder
-    from plcgen.inspection.memory.fit import ProgramSize
+    from plcgen.build.writing import WrittenFolder
+    from plcgen.project.fit import ProgramSize
     from plcgen.project.nouns import Project
     from plcgen.project.target import Target
     from plcgen.proof import Asked, Means
     from plcgen.proof.checks import Verification
     from plcgen.proof.shards import ShardResult
-    from plcgen.signoff.model import Review
-    from plcgen.trace.model import Trace
+    from plcgen.report.review.model import Review
+    from plcgen.report.trace.model import Trace
 
 MAX_SIZED = 16 * 1024 * 1024
 """Larger sources are not estimated: it would take longer than making them."""
@@ -71,10 +71,10 @@ class GenerateResult:
 
     def size(self) -> ProgramSize | None:
         """What the files in the folder take of the PLC; None if there are none, or more than 16 MB of sources."""
-        from plcgen.inspection.memory.estimate import estimate
-        from plcgen.inspection.memory.fit import ProgramSize
-        from plcgen.sources.blocks import read_sources
-        from plcgen.sources.generated import generated_sources
+        from plcgen.project.fit import ProgramSize
+        from plcgen.s7.memory.estimate import estimate
+        from plcgen.s7.read.blocks import read_sources
+        from plcgen.s7.read.generated import generated_sources
 
         target = self.target
         if target is None or not self.folder.is_dir():
@@ -106,7 +106,7 @@ def check(spec: Path | str, *, strict: bool = False) -> CheckResult:
 
     If it names a CPU, its blocks are made, though not written: what does not fit the CPU is a warning.
     """
-    from plcgen.input.allowances import idle, settled
+    from plcgen.project.allowances import idle, settled
     from plcgen.project.opening import allowed_in
     from plcgen.project.rules import remarks
 
@@ -123,7 +123,7 @@ def check(spec: Path | str, *, strict: bool = False) -> CheckResult:
 
 def problems_of(spec: Path | str) -> CheckResult:
     """What is wrong with a spec, and what does not fit its CPU."""
-    from plcgen.input.allowances import settled
+    from plcgen.project.allowances import settled
     from plcgen.project.opening import allowed_in
 
     found = _planned(spec)
@@ -149,12 +149,12 @@ def _planned(spec: Path | str) -> CheckResult:
 
 def _misfits(project: Project) -> tuple[Diagnostic, ...]:
     """What of the project's blocks does not fit its CPU, by an estimate of their texts."""
-    from plcgen.documents.engine import emit
-    from plcgen.documents.environment import render_all
-    from plcgen.inspection.memory.estimate import estimate
-    from plcgen.inspection.memory.fit import ProgramSize
-    from plcgen.sources.blocks import read_texts
-    from plcgen.sources.text import decode_source
+    from plcgen.build.engine import emit
+    from plcgen.build.environment import render_all
+    from plcgen.project.fit import ProgramSize
+    from plcgen.s7.memory.estimate import estimate
+    from plcgen.s7.read.blocks import read_texts
+    from plcgen.s7.read.text import decode_source
 
     texts: list[tuple[str, str]] = []
     length = 0
@@ -194,8 +194,8 @@ def generate(
     ``check_only`` writes nothing and compares; ``force`` overwrites files that were changed by hand; ``stats`` runs an
     idle scan of the blocks and counts its statements.
     """
-    from plcgen.documents.rendering import render_project
-    from plcgen.documents.writing import compare_folder, write_folder
+    from plcgen.build.rendering import render_project
+    from plcgen.build.writing import compare_folder, write_folder
 
     target = _folder(spec, folder)
     checked = problems_of(spec)
@@ -356,7 +356,7 @@ def simulate(
     ``drives`` ``FILE`` or ``DRIVE=FILE``; ``own`` are SCL files of the user, ``scan_time`` is in ms or a text
     like ``10ms``, ``inputs`` a file with more ``sets``.
     """
-    from plcgen.trace.run import RunSettings, Simulation
+    from plcgen.report.trace.run import RunSettings, Simulation
 
     chosen = Path(fault_file) if fault_file is not None else None
     sources = tuple(Path(path) for path in own)
@@ -383,8 +383,8 @@ def review(
         DiagnosticError: PG901 if there is nothing of that name, or ``fault`` makes no sense.
         ArgumentError: if ``faults`` is another word.
     """
-    from plcgen.signoff.collect import collect
-    from plcgen.signoff.model import ReviewRequest
+    from plcgen.report.review.collect import collect
+    from plcgen.report.review.model import ReviewRequest
 
     expect("faults", faults, FAULTS)
     own = Path(lock) if lock is not None else None

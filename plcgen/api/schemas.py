@@ -7,12 +7,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from plcgen.diagnostics import ArgumentError
+from plcgen.base.diagnostics import ArgumentError
 
 
 def _spec(profiles: Sequence[str] = (), *, shared: bool = False) -> dict[str, Any]:
+    from plcgen.project.registry import protocols
     from plcgen.project.shape import json_schema
-    from plcgen.protocols.registry import protocols
 
     return json_schema(protocols(), profiles, shared=shared)
 
@@ -22,46 +22,46 @@ def _shared(profiles: Sequence[str] = ()) -> dict[str, Any]:
 
 
 def _drive() -> dict[str, Any]:
+    from plcgen.ds47.sim.load import DriveKeys
     from plcgen.project.editor import file_schema
-    from plcgen.protocols.ds47.sim.load import DriveKeys
 
     return file_schema("drive", "A simulated drive: its objects with their parameters, and faults.", DriveKeys)
 
 
 def _station() -> dict[str, Any]:
+    from plcgen.ppi.sim.load import BusKeys, SingleKeys
     from plcgen.project.editor import file_schema
-    from plcgen.protocols.ppi.sim.load import BusKeys, SingleKeys
 
     text = "A simulated S7-200, or several under stations, with their values and faults."
     return file_schema("station", text, SingleKeys, BusKeys)
 
 
 def _profile() -> dict[str, Any]:
+    from plcgen.ds47.profile import DeviceProfile
     from plcgen.project.editor import file_schema
-    from plcgen.protocols.ds47.profile import DeviceProfile
 
     return file_schema("profile", "A device profile: what a kind of drive has and how it answers.", DeviceProfile)
 
 
 def _policy() -> dict[str, Any]:
-    from plcgen.inspection.compare.policy import KINDS
-    from plcgen.inspection.compare.policyfile import Policy
     from plcgen.project.editor import file_schema
+    from plcgen.s7.compare.policy import KINDS
+    from plcgen.s7.compare.policyfile import Policy
 
     found = file_schema("policy", "Which class a kind of change has for you.", Policy)
     return {**found, "propertyNames": {"enum": list(KINDS)}}
 
 
 def _lock() -> dict[str, Any]:
-    from plcgen.inspection.compare.lockread import lock_schema
+    from plcgen.report.diff.lockread import lock_schema
 
     return lock_schema()
 
 
 def _faults() -> dict[str, Any]:
+    from plcgen.ds47.recording.faults import DriveFaults
+    from plcgen.ppi.recording.faults import LineFaults
     from plcgen.project.editor import file_schema
-    from plcgen.protocols.ds47.recording.faults import DriveFaults
-    from plcgen.protocols.ppi.recording.faults import LineFaults
 
     text = "Faults of drives or of a PPI line for simulate: a list, or the key faults of a mapping."
     drive, line = file_schema("faults", text, DriveFaults), file_schema("faults", text, LineFaults)
@@ -77,19 +77,19 @@ def _faults() -> dict[str, Any]:
 
 
 def _serve() -> dict[str, Any]:
-    from plcgen.output.lines import serve_schema
+    from plcgen.report.lines import serve_schema
 
     return serve_schema()
 
 
 def _monitor() -> dict[str, Any]:
-    from plcgen.output.lines import monitor_schema
+    from plcgen.report.lines import monitor_schema
 
     return monitor_schema()
 
 
 def _output() -> dict[str, Any]:
-    from plcgen.output.shapes import output_schema
+    from plcgen.report.shapes import output_schema
 
     return output_schema()
 

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Literal
 
 from plcgen.api.arguments import expect
 from plcgen.api.project import problems_of
-from plcgen.diagnostics import Diagnostic, Report, Span, has_errors
-from plcgen.input.files import YAML_SUFFIXES
-from plcgen.inspection.layout.tables import BlockTable, LayoutResult
-from plcgen.s7.families import FAMILIES, Family
+from plcgen.base.diagnostics import Diagnostic, Report, Span, has_errors
+from plcgen.base.files.files import YAML_SUFFIXES
+from plcgen.s7.tables.tables import BlockTable, LayoutResult
+from plcgen.s7.types.families import FAMILIES, Family
 
 if TYPE_CHECKING:
-    from plcgen.inspection.compare.lock import LockResult
-    from plcgen.inspection.compare.model import Comparison
     from plcgen.proof.checks import Verification
+    from plcgen.report.diff.lock import LockResult
+    from plcgen.s7.compare.model import Comparison
 
 SPEC_SUFFIXES = YAML_SUFFIXES
 
@@ -48,8 +48,8 @@ def layout(*paths: Path | str, family: Family | None = None, block: str = "", ex
     Raises:
         ArgumentError: if ``family`` is another word.
     """
-    from plcgen.input.hashes import path_hashes
-    from plcgen.inspection.layout.planned import project_tables
+    from plcgen.base.files.hashes import path_hashes
+    from plcgen.report.diff.planned_layout import project_tables
 
     expect("family", family, FAMILIES)
     tables: list[BlockTable] = []
@@ -77,9 +77,9 @@ def layout(*paths: Path | str, family: Family | None = None, block: str = "", ex
 def _source_tables(
     paths: Sequence[Path], report: Report, family: Family | None, block: str, *, expand: bool
 ) -> list[BlockTable]:
-    from plcgen.inspection.layout.declared import block_tables
-    from plcgen.s7.system import family_types
-    from plcgen.sources.files import read_files
+    from plcgen.s7.read.files import read_files
+    from plcgen.s7.tables.declared import block_tables
+    from plcgen.s7.types.system import family_types
 
     classic = family in {"s7-300", "s7-400"}
     files = read_files(paths, classic=classic)
@@ -124,9 +124,9 @@ def convert(
     Raises:
         ArgumentError: if ``to`` or ``version`` is another word.
     """
-    from plcgen.documents.convert import convert as run
-    from plcgen.documents.writing import add_files
-    from plcgen.simaticml.versions import VERSIONS
+    from plcgen.build.convert import convert as run
+    from plcgen.build.writing import add_files
+    from plcgen.s7.xml.versions import VERSIONS
 
     expect("to", to, ("scl", "xml"))
     expect("version", version, VERSIONS)
@@ -162,7 +162,7 @@ def diff(
     ``policy`` holds ``id=class`` settings and policy files, later ones win; ``classic``: SimaticML documents are
     for S7-300/400.
     """
-    from plcgen.inspection.compare.run import compare
+    from plcgen.report.diff.run import compare
 
     return compare(_paths(old), _paths(new), policy, classic=classic)
 
@@ -171,7 +171,7 @@ def lock(
     *paths: Path | str, out: Path | str = "plcgen.lock.yaml", classic: bool = False, force: bool = False
 ) -> LockResult:
     """Write the layout lock of sources (files or folders) or one spec; without paths, of those the lock names."""
-    from plcgen.inspection.compare.lock import write_lock
+    from plcgen.report.diff.lock import write_lock
 
     return write_lock([Path(path) for path in paths], Path(out), classic=classic, force=force)
 
@@ -183,7 +183,7 @@ def check_lock(
     classic: bool = False,
 ) -> Comparison:
     """Compare a layout lock with sources or a spec; without paths, with those the lock names."""
-    from plcgen.inspection.compare.lock import check_lock as run
+    from plcgen.report.diff.lock import check_lock as run
 
     return run([Path(path) for path in paths], Path(lock), policy, classic=classic)
 

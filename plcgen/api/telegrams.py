@@ -7,16 +7,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from plcgen.api.arguments import expect
-from plcgen.diagnostics import ArgumentError, Diagnostic, has_errors
+from plcgen.base.diagnostics import ArgumentError, Diagnostic, has_errors
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from plcgen.display.page import Page
+    from plcgen.base.display.page import Page
+    from plcgen.base.telegrams.decoded import DecodedTelegram
+    from plcgen.ds47.wire.model import ParameterAddress, ValueBlock
+    from plcgen.ds47.wire.status import Status
     from plcgen.project.nouns import BlockRef
-    from plcgen.protocols.decoded import DecodedTelegram
-    from plcgen.protocols.ds47.wire.model import ParameterAddress, ValueBlock
-    from plcgen.protocols.ds47.wire.status import Status
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +44,8 @@ class EncodeResult:
 
 def encode_read(addresses: Sequence[ParameterAddress], *, drive_object: int = 1, reference: int = 1) -> bytes:
     """Return a read request. Raises TelegramError if a field does not fit or the record is too long."""
-    from plcgen.protocols.ds47.wire.codec import encode_request
-    from plcgen.protocols.ds47.wire.model import read_request
+    from plcgen.ds47.wire.codec import encode_request
+    from plcgen.ds47.wire.model import read_request
 
     return encode_request(read_request(reference, drive_object, addresses))
 
@@ -54,8 +54,8 @@ def encode_write(
     changes: Sequence[tuple[ParameterAddress, ValueBlock]], *, drive_object: int = 1, reference: int = 1
 ) -> bytes:
     """Return a change request. Raises TelegramError if a field does not fit or the record is too long."""
-    from plcgen.protocols.ds47.wire.codec import encode_request
-    from plcgen.protocols.ds47.wire.model import change_request
+    from plcgen.ds47.wire.codec import encode_request
+    from plcgen.ds47.wire.model import change_request
 
     return encode_request(change_request(reference, drive_object, changes))
 
@@ -68,7 +68,7 @@ def decode(
     Raises:
         ArgumentError: if ``kind`` is another word.
     """
-    from plcgen.protocols.ds47.texts import dissect_telegram
+    from plcgen.ds47.texts import dissect_telegram
 
     expect("kind", kind, ("request", "response"))
     return dissect_telegram(data, kind, request)
@@ -78,7 +78,7 @@ def decode_status(value: int) -> Status:
     """Explain a STATUS double word of WRREC or RDREC. Raises ArgumentError if the value has more than 32 bits."""
     if not 0 <= value <= 0xFFFFFFFF:
         raise ArgumentError(f"{value} is not a STATUS double word, which has 32 bits")
-    from plcgen.protocols.ds47.wire.status import explain_status
+    from plcgen.ds47.wire.status import explain_status
 
     return explain_status(value)
 
@@ -92,7 +92,7 @@ def explain(key: str) -> Page | None:
 
 def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
     """Return the requests of all jobs of a spec, or of one job, with their start values."""
-    from plcgen.diagnostics.suggest import did_you_mean
+    from plcgen.base.diagnostics.suggest import did_you_mean
     from plcgen.project.opening import open_spec
 
     opened = open_spec(Path(spec))

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.cli.arguments import Argument
-from plcgen.diagnostics.suggest import did_you_mean
-from plcgen.protocols.ds47.references import Reference, parse_reference, parse_type
-from plcgen.protocols.ds47.wire import formats
-from plcgen.protocols.ds47.wire.bico import Layout, parse_bico
-from plcgen.protocols.ds47.wire.formats import Format, FormatKind, FormatValueError, Value
-from plcgen.protocols.ds47.wire.model import ParameterAddress, ValueBlock
+from plcgen.ds47.references import Reference, parse_reference, parse_type
+from plcgen.ds47.wire import formats
+from plcgen.ds47.wire.bico import Layout, parse_bico
+from plcgen.ds47.wire.formats import Format, FormatKind, FormatValueError, Value
+from plcgen.ds47.wire.model import ParameterAddress, ValueBlock
 
 if TYPE_CHECKING:
-    from plcgen.protocols.ds47.device import Device
+    from plcgen.ds47.device import Device
 
 
 def device_named(key: str | None) -> Device | None:
     """Return the profile of ``--device``, a name or a file. Raises DiagnosticError if there is none."""
-    from plcgen.protocols.ds47 import devices
+    from plcgen.ds47 import devices
 
     return None if key is None else devices.find_device(key)
 
@@ -114,7 +114,7 @@ def _block(argument: Argument, text: str, fmt: Format, layout: Layout) -> ValueB
 
 def _value(text: str, fmt: Format, layout: Layout) -> Value:
     """Read one value: S7 and YAML numbers, ``true``, BICO sources for Unsigned32, hex for octets."""
-    from plcgen.input.yaml import resolve_plain
+    from plcgen.base.files.yaml import resolve_plain
 
     if fmt.kind is FormatKind.TEXT:
         return text

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 
 ARGUMENTS = "<arguments>"
 

@@ -10,7 +10,7 @@ import click
 from plcgen.cli.options import PATH, console, format_option, output_option, verb
 
 if TYPE_CHECKING:
-    from plcgen.output.registry import OutputFormat
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(

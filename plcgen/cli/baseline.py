@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.input.files import read_bounded
-from plcgen.input.options import USAGE
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.base.files.files import read_bounded
+from plcgen.base.files.options import USAGE
 
 MAX_BASELINE = 16 * 1024 * 1024
 Subject = tuple[str, Sequence[Diagnostic]]

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from plcgen.api import default_folder
+from plcgen.base.diagnostics.counting import quantity
+from plcgen.base.files.files import YAML_SUFFIXES
 from plcgen.cli.options import PATH, console, format_option, output_option, strict_option, verb
 from plcgen.cli.output import OK, PROBLEMS, USAGE, Console
 from plcgen.cli.watch import watch_option
-from plcgen.diagnostics.counting import quantity
-from plcgen.input.files import YAML_SUFFIXES
 
 if TYPE_CHECKING:
-    from plcgen.diagnostics import Diagnostic
-    from plcgen.display.results import Findings
-    from plcgen.output.registry import OutputFormat
+    from plcgen.base.diagnostics import Diagnostic
+    from plcgen.base.display.results import Findings
+    from plcgen.report.registry import OutputFormat
 
 TARGETS = ("v5", "tia-300", "tia-1500")
 IEC_CHECKS = ("on", "off", "as-stated")
@@ -95,10 +95,10 @@ def command(
     except what was generated from these specs. Nothing is written. Exit code 1 if there is an error anywhere;
     warnings alone give 0.
     """
+    from plcgen.base.diagnostics import DiagnosticError, has_errors
+    from plcgen.base.display.results import Findings
     from plcgen.cli.baseline import compare_baseline, read_baseline
     from plcgen.cli.specs import named
-    from plcgen.diagnostics import DiagnosticError, has_errors
-    from plcgen.display.results import Findings
 
     out = console()
     _meant(program=program, target=target, of_programs={"--tags": tags, "--iec-check": iec_check})
@@ -169,8 +169,8 @@ def _sorted(paths: tuple[Path, ...], *, program: bool) -> tuple[list[Path], list
             specs.append(path)
             continue
         from plcgen.cli.specs import specs_below
-        from plcgen.cpu.sources import SUFFIXES, find_documents, find_sources
-        from plcgen.sources.text import SD_SUFFIXES
+        from plcgen.s7.cpu.sources import SUFFIXES, find_documents, find_sources
+        from plcgen.s7.read.text import SD_SUFFIXES
 
         if folder or suffix in SUFFIXES | SD_SUFFIXES:
             below, inside = find_sources(path), specs_below(path) if folder and not program else []
@@ -194,8 +194,8 @@ def _with_left_out(paths: tuple[Path, ...], subjects: list[Subject]) -> list[Sub
     folders = [path for path in paths if path.is_dir()] if subjects else []
     if not folders:
         return subjects
-    from plcgen.cpu.sources import find_left_out
-    from plcgen.sources.text import SD_SUFFIXES
+    from plcgen.s7.cpu.sources import find_left_out
+    from plcgen.s7.read.text import SD_SUFFIXES
 
     for folder in folders:
         for at, (file, found) in enumerate(subjects):
@@ -216,8 +216,8 @@ def _specs(specs: list[Path], *, strict: bool) -> list[Subject]:
 
 def _files(sources: list[Path], target: str | None, encoding: str | None, out: Console) -> tuple[list[Subject], int]:
     """Every source on its own, blocks that are declared twice, and the number of blocks in all of them."""
-    from plcgen.cpu.sources import check_source, repeated_blocks
-    from plcgen.scl.dialect import BY_NAME
+    from plcgen.s7.cpu.sources import check_source, repeated_blocks
+    from plcgen.s7.scl.dialect import BY_NAME
 
     checks = []
     with out.progress() as progress:
@@ -236,8 +236,8 @@ def _files(sources: list[Path], target: str | None, encoding: str | None, out: C
 
 def _settled(subject: Subject) -> Subject:
     """The findings of a source with what its comments allow."""
-    from plcgen.input.allowances import allowances, settled
-    from plcgen.input.files import read_bounded
+    from plcgen.base.files.files import read_bounded
+    from plcgen.project.allowances import allowances, settled
 
     path, found = subject
     milder = [d for d in found if d.severity.label != "error"]
@@ -252,7 +252,7 @@ def _settled(subject: Subject) -> Subject:
 
 def _documents(paths: tuple[Path, ...]) -> list[Path]:
     """SimaticML documents that are named or lie in the folders: what they declare is known to a program."""
-    from plcgen.cpu.sources import find_documents
+    from plcgen.s7.cpu.sources import find_documents
 
     named = [path for path in paths if path.is_dir() or path.suffix.lower() == ".xml"]
     return list(dict.fromkeys(document for path in named for document in find_documents(path)))
@@ -260,8 +260,8 @@ def _documents(paths: tuple[Path, ...]) -> list[Path]:
 
 def _symbol_tables(paths: Sequence[Path]) -> list[Path]:
     """Symbol tables of STEP 7 V5 below the folders that are named; what only has the suffix is left alone."""
-    from plcgen.sources.files import MAX_SEEN
-    from plcgen.sources.symbols import SUFFIXES, read_rows
+    from plcgen.s7.read.files import MAX_SEEN
+    from plcgen.s7.read.symbols import SUFFIXES, read_rows
 
     below = (file for path in paths if path.is_dir() for file in islice(path.rglob("*"), MAX_SEEN))
     return [file for file in sorted(file for file in below if file.suffix.lower() in SUFFIXES) if read_rows(file)[0]]
@@ -276,11 +276,11 @@ def _programs(
     encoding: str | None,
 ) -> tuple[list[Subject], int]:
     """The sources of each PLC together; what has no place belongs to the first one."""
-    from plcgen.cpu.folder import Tags, read_tag_file
-    from plcgen.cpu.sources import check_program
-    from plcgen.cpu.type_rules import IecCheck
-    from plcgen.scl.dialect import BY_NAME
-    from plcgen.sources.plcs import by_plc
+    from plcgen.s7.cpu.folder import Tags, read_tag_file
+    from plcgen.s7.cpu.sources import check_program
+    from plcgen.s7.cpu.type_rules import IecCheck
+    from plcgen.s7.read.plcs import by_plc
+    from plcgen.s7.scl.dialect import BY_NAME
 
     known: Tags = {}
     for path in tags:
@@ -307,7 +307,7 @@ def _programs(
 
 def _summary(out: Console, found: Findings, blocks: int | None) -> None:
     """Say how it went in one line."""
-    from plcgen.display.excerpts import summary_text
+    from plcgen.base.display.excerpts import summary_text
 
     if found.diagnostics:
         out.say("")

@@ -13,7 +13,7 @@ def devices(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> li
     """Device profiles with their titles."""
     from click.shell_completion import CompletionItem
 
-    from plcgen.protocols.ds47.devices import device_names, find_device
+    from plcgen.ds47.devices import device_names, find_device
 
     names = [name for name in device_names() if name.startswith(incomplete.lower())]
     return [CompletionItem(name, help=find_device(name).title) for name in names]

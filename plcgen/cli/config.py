@@ -13,12 +13,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
-from plcgen.input.files import below, refusal
-from plcgen.input.text import read_text
-from plcgen.input.toml import parse_toml
-from plcgen.input.validation import FileShape, StrictModel, problem, validate
-from plcgen.input.yaml import YamlNode
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
+from plcgen.base.files.files import below, refusal
+from plcgen.base.files.text import read_text
+from plcgen.base.files.toml import parse_toml
+from plcgen.base.files.validation import FileShape, StrictModel, problem, validate
+from plcgen.base.files.yaml import YamlNode
 from plcgen.proof.effort import Faults
 
 NAME = "plcgen.toml"

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from plcgen.base.diagnostics.counting import quantity
 from plcgen.cli.options import PATH, console, format_option, tia_option, verb
 from plcgen.cli.output import OK, PROBLEMS
-from plcgen.diagnostics.counting import quantity
 
 if TYPE_CHECKING:
     from plcgen.api import ConvertResult
-    from plcgen.output.registry import OutputFormat
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(
@@ -47,7 +47,7 @@ def command(*, paths: tuple[Path, ...], folder: Path, culture: str, format_: Out
     out = console()
     result = api.convert(*paths, out=folder, culture=culture, **options)
     if format_.name != "text":
-        from plcgen.display.results import Findings
+        from plcgen.base.display.results import Findings
 
         folder_ = result.folder.as_posix()
         more = {"folder": folder_, "written": list(result.written), "unchanged": list(result.unchanged)}

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
+from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.cli.arguments import ARGUMENTS
 from plcgen.cli.hexbytes import STDIN, HexError, HexText, hex_problem, parse_hex, read_stdin, strip_comment
 from plcgen.cli.options import console, format_option, verb
 from plcgen.cli.output import PROBLEMS
-from plcgen.diagnostics import Diagnostic, Span
 
 if TYPE_CHECKING:
-    from plcgen.output.registry import OutputFormat
-    from plcgen.protocols.decoded import DecodedTelegram
+    from plcgen.base.telegrams.decoded import DecodedTelegram
+    from plcgen.report.registry import OutputFormat
 
 REQUEST = "<request>"
 _SPELLINGS = "write bytes as 03 01, 0301, 16#03, 0x03, 03h or W#16#0101, one telegram per line"
@@ -50,7 +50,7 @@ def command(
     All arguments together are one telegram; on stdin every line is one. Requests and responses are told
     apart by their bytes. Exit code 1 if a telegram is malformed.
     """
-    from plcgen.protocols.ds47.texts import telegrams_answer
+    from plcgen.ds47.texts import telegrams_answer
 
     out = console()
     if status:
@@ -104,7 +104,7 @@ def _decode(
 
 def _status(hex_: tuple[str, ...], format_: OutputFormat) -> int:
     from plcgen import api
-    from plcgen.protocols.ds47.texts import status_answer
+    from plcgen.ds47.texts import status_answer
 
     out = console()
     text = " ".join(hex_)

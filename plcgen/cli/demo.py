@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.api import default_folder
+from plcgen.base.replacing import replace_file
 from plcgen.cli.options import PATH, console, faults_option, verb
 from plcgen.cli.output import OK, PROBLEMS, Console
 from plcgen.proof.effort import Faults
-from plcgen.replacing import replace_file
 
 if TYPE_CHECKING:
     from plcgen.api import GenerateResult
@@ -44,7 +44,7 @@ def command(*, folder: Path, faults: Faults | None) -> int:
 
 def _copy(out: Console, folder: Path) -> list[Path]:
     """Copy the specs that are not there yet."""
-    from plcgen.resources import specs_dir
+    from plcgen.base.resources import specs_dir
 
     folder.mkdir(parents=True, exist_ok=True)
     copies: list[Path] = []
@@ -63,7 +63,7 @@ def _copy(out: Console, folder: Path) -> list[Path]:
 def _one(out: Console, spec: Path, faults: Faults | None) -> bool:
     """Generate and verify one spec and tell it in a line; True if all is well."""
     from plcgen import api
-    from plcgen.output.formats import text
+    from plcgen.report.formats import text
 
     with out.progress() as progress:
         made = api.generate(spec, default_folder(spec), progress=progress)

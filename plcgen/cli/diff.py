@@ -12,7 +12,7 @@ from plcgen.cli.options import PATH, console, format_option, output_option, verb
 from plcgen.cli.output import OK, PROBLEMS
 
 if TYPE_CHECKING:
-    from plcgen.output.registry import OutputFormat
+    from plcgen.report.registry import OutputFormat
 
 FAIL_ON = ("breaking", "compatible", "any", "never")
 
@@ -57,8 +57,8 @@ def command(
     """
     out = console()
     if list_changes:
-        from plcgen.display.table import text_table
-        from plcgen.inspection.compare.text import changes_table
+        from plcgen.base.display.table import text_table
+        from plcgen.s7.compare.text import changes_table
 
         lines = text_table(("id", "class", "change", "because"), changes_table(), indent=0)
         out.result("\n".join(lines) + "\n", output, ("# ", ""))

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import click
 
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError
 from plcgen.cli.options import console, device_option, format_option, verb
 from plcgen.cli.output import Console
-from plcgen.diagnostics import Diagnostic, DiagnosticError
 
 if TYPE_CHECKING:
-    from plcgen.display.results import Answer
-    from plcgen.output.registry import OutputFormat
+    from plcgen.base.display.results import Answer
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(
@@ -68,9 +68,9 @@ def _spec(out: Console, spec: Path, job: str | None, format_: OutputFormat) -> i
 def _adhoc(
     out: Console, verb: str, words: tuple[str, ...], how: tuple[int | None, int, str | None], format_: OutputFormat
 ) -> int:
+    from plcgen.base.diagnostics import Span
     from plcgen.cli.arguments import ARGUMENTS
-    from plcgen.diagnostics import Span
-    from plcgen.protocols.ds47.wire.codec import TelegramError
+    from plcgen.ds47.wire.codec import TelegramError
 
     try:
         data = _telegram(verb, words, *how)
@@ -98,8 +98,8 @@ def _telegram(verb: str, words: tuple[str, ...], drive_object: int | None, refer
 
 def _answer(rows: Sequence[tuple[str, int, str, bytes]], text: str, found: Sequence[Diagnostic]) -> Answer:
     """Telegrams as (job, number, block, bytes)."""
-    from plcgen.display.data import diagnostics_data
-    from plcgen.display.results import Answer
+    from plcgen.base.display.data import diagnostics_data
+    from plcgen.base.display.results import Answer
 
     telegrams = [
         {"job": job, "telegram": index, "block": block, "length": len(data), "hex": data.hex().upper()}

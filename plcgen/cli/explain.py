@@ -11,8 +11,8 @@ from plcgen.cli.options import console, format_option, verb
 from plcgen.cli.output import OK, PROBLEMS, error_line, help_line
 
 if TYPE_CHECKING:
-    from plcgen.display.results import Answer
-    from plcgen.output.registry import OutputFormat
+    from plcgen.base.display.results import Answer
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(
@@ -38,7 +38,7 @@ def command(*, codes: tuple[str, ...], list_all: bool, format_: OutputFormat) ->
     if not codes:
         raise click.UsageError("give a code, for example PG209, or --list")
     from plcgen import api
-    from plcgen.display.page import page_answer
+    from plcgen.base.display.page import page_answer
 
     pages = [api.explain(key) for key in codes]
     known = [page_answer(page) for page in pages if page is not None]
@@ -52,8 +52,8 @@ def command(*, codes: tuple[str, ...], list_all: bool, format_: OutputFormat) ->
 
 def _unknown(key: str) -> None:
     from plcgen.api.explanation import known_keys
-    from plcgen.diagnostics.suggest import did_you_mean
-    from plcgen.display.cells import clean
+    from plcgen.base.diagnostics.suggest import did_you_mean
+    from plcgen.base.display.cells import clean
 
     error_line(f'"{clean(key)[:60]}" is not a plcgen code, an error number or a status word', "PG703")
     help_line(did_you_mean(key, known_keys()) or "plcgen explain --list")
@@ -61,9 +61,9 @@ def _unknown(key: str) -> None:
 
 def _list() -> Answer:
     from plcgen.api.explanation import list_codes
-    from plcgen.display.data import head
-    from plcgen.display.results import Answer
-    from plcgen.display.table import text_table
+    from plcgen.base.display.data import head
+    from plcgen.base.display.results import Answer
+    from plcgen.base.display.table import text_table
 
     rows = list_codes()
     codes = [{"code": code, "severity": severity, "title": title} for code, severity, title in rows]

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from plcgen.api import default_folder
+from plcgen.base.diagnostics.counting import quantity
 from plcgen.cli.options import PATH, console, folder_option, format_option, verb
 from plcgen.cli.output import OK, PROBLEMS, Console, error_detail, error_line, help_line
 from plcgen.cli.watch import watch_option
-from plcgen.diagnostics.counting import quantity
 
 if TYPE_CHECKING:
     from plcgen.api import GenerateResult
-    from plcgen.diagnostics import Diagnostic
-    from plcgen.output.registry import OutputFormat
+    from plcgen.base.diagnostics import Diagnostic
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(
@@ -78,8 +78,8 @@ STALE = "PG504"
 
 
 def _show(out: Console, result: GenerateResult, *, looking: bool, stats: bool) -> None:
-    from plcgen.display.excerpts import count_text
-    from plcgen.display.paint import paint_diff
+    from plcgen.base.display.excerpts import count_text
+    from plcgen.base.display.paint import paint_diff
 
     out.complain([d for d in result.diagnostics if d.code != STALE])
     stale = [d for d in result.diagnostics if d.code == STALE]
@@ -119,7 +119,7 @@ def _stale(result: GenerateResult, stale: list[Diagnostic]) -> None:
 
 def _machine(out: Console, results: list[GenerateResult], format_: OutputFormat) -> None:
     """One spec has its keys at the top, several have theirs in a list."""
-    from plcgen.display.results import Findings
+    from plcgen.base.display.results import Findings
 
     specs = [result.spec.as_posix() for result in results]
     parts = [_data(result) for result in results]

@@ -76,7 +76,7 @@ class VerbGroup(Examples, click.Group):
         return super().resolve_command(ctx, args)
 
     def _hint(self, name: str) -> str:
-        from plcgen.diagnostics.suggest import did_you_mean
+        from plcgen.base.diagnostics.suggest import did_you_mean
 
         special = self.hint(name) if self.hint is not None else ""
         if special:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import click
 
+from plcgen.base.diagnostics import Diagnostic, Span
+from plcgen.base.diagnostics.counting import quantity
 from plcgen.cli.output import is_terminal
-from plcgen.diagnostics import Diagnostic, Span
-from plcgen.diagnostics.counting import quantity
 
 STDIN = "<stdin>"
 """What diagnostics name as the file of what comes on stdin."""

@@ -9,11 +9,11 @@ import click
 
 from plcgen.cli.options import PATH, console, format_option, output_option, verb
 from plcgen.cli.output import OK, PROBLEMS
-from plcgen.s7.families import FAMILIES
+from plcgen.s7.types.families import FAMILIES
 
 if TYPE_CHECKING:
     from plcgen.api import Family
-    from plcgen.output.registry import OutputFormat
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 import click
 
+from plcgen.base.diagnostics.counting import quantity
 from plcgen.cli.diff import FAIL_ON
 from plcgen.cli.options import PATH, console, format_option, output_option, verb
 from plcgen.cli.output import OK, PROBLEMS
-from plcgen.diagnostics.counting import quantity
 
 if TYPE_CHECKING:
     from plcgen.cli.output import Console
-    from plcgen.inspection.compare.model import Comparison
-    from plcgen.output.registry import OutputFormat
+    from plcgen.report.registry import OutputFormat
+    from plcgen.s7.compare.model import Comparison
 
 
 @verb(

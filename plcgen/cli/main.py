@@ -11,9 +11,9 @@ from pathlib import Path
 import click
 
 from plcgen._version import __version__
+from plcgen.base.interrupts import EndedError, unwinding
 from plcgen.cli import output
 from plcgen.cli.groups import Sections, VerbGroup
-from plcgen.interrupts import EndedError, unwinding
 
 SECTIONS: Sections = (
     (
@@ -147,7 +147,7 @@ def _usage(problem: click.UsageError) -> int:
 
 def _unexpected(problem: Exception) -> int:
     """Tell a user's problem (diagnostics, files) from a bug."""
-    from plcgen.diagnostics import DiagnosticError, PluginError
+    from plcgen.base.diagnostics import DiagnosticError, PluginError
 
     if isinstance(problem, DiagnosticError):
         output.Console().complain(problem.diagnostics)

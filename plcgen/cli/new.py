@@ -11,10 +11,10 @@ from plcgen.cli.completed import toolchains
 from plcgen.cli.options import PATH, console, device_option, force_option, verb
 from plcgen.cli.output import OK
 from plcgen.cli.starter import RECIPES, starter, usable
-from plcgen.s7.families import FAMILIES
+from plcgen.s7.types.families import FAMILIES
 
 if TYPE_CHECKING:
-    from plcgen.protocols.ds47.device import Device
+    from plcgen.ds47.device import Device
 
 
 @verb(
@@ -65,7 +65,7 @@ def command(*, path: Path, device: str, family: str, toolchain: str | None, jobs
 def _toolchain(family: str, given: str | None) -> str:
     from typing import get_args
 
-    from plcgen.diagnostics.suggest import did_you_mean
+    from plcgen.base.diagnostics.suggest import did_you_mean
     from plcgen.project.schema import Toolchain
     from plcgen.project.target import combination_problem
 
@@ -83,8 +83,8 @@ def _toolchain(family: str, given: str | None) -> str:
 
 def _device(key: str, folder: Path) -> Device:
     """The device of a new spec in ``folder``, as that spec will find it."""
-    from plcgen.diagnostics import DiagnosticError, Report, Span
-    from plcgen.protocols.ds47.devices import Catalogue
+    from plcgen.base.diagnostics import DiagnosticError, Report, Span
+    from plcgen.ds47.devices import Catalogue
 
     report = Report()
     found = Catalogue(folder).find(key, Span("--device"), report)

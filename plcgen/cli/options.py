@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 from click.core import ParameterSource
 
+from plcgen.base.files.files import YAML_SUFFIXES
 from plcgen.cli.completed import devices
 from plcgen.cli.output import Console
-from plcgen.input.files import YAML_SUFFIXES
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-    from plcgen.output.registry import OutputFormat
+    from plcgen.report.registry import OutputFormat
 
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 
@@ -134,7 +134,7 @@ def _is_source(target: Path) -> bool:
     """Whether a file is a spec or a PLC source, or one of those that plcgen generated into a folder."""
     if target.suffix.lower() in _SOURCES | YAML_SUFFIXES:
         return True
-    from plcgen.sources.generated import MANIFEST, manifest_of
+    from plcgen.s7.read.generated import MANIFEST, manifest_of
 
     path = target.resolve()
     known = ((manifest_of(folder) or {}, path.relative_to(folder).as_posix()) for folder in path.parents[:2])
@@ -201,13 +201,13 @@ class _FormatName(click.ParamType[Any]):
 
     @property
     def names(self) -> tuple[str, ...]:
-        from plcgen.output import registry
+        from plcgen.report import registry
 
         return registry.formats_for(self.kind)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> OutputFormat:
         """The format itself."""
-        from plcgen.output.registry import OutputFormat, output_format
+        from plcgen.report.registry import OutputFormat, output_format
 
         if isinstance(value, OutputFormat):
             return value
@@ -235,7 +235,7 @@ class _FormatOption(click.Option):
 
 def tia_option(what: str) -> Callable[[Callback], Callback]:
     """Add ``--tia``, the version of the TIA Portal that documents are for; the parameter is called ``version``."""
-    from plcgen.simaticml.versions import VERSIONS
+    from plcgen.s7.xml.versions import VERSIONS
 
     versions = tuple(VERSIONS)
     return click.option(

@@ -12,14 +12,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TextIO
 
-from plcgen.replacing import replace_file
+from plcgen.base.replacing import replace_file
 
 if TYPE_CHECKING:
-    from plcgen.diagnostics import Diagnostic
-    from plcgen.display.results import Answer
-    from plcgen.display.view import View
-    from plcgen.output.registry import OutputFormat
+    from plcgen.base.diagnostics import Diagnostic
+    from plcgen.base.display.results import Answer
+    from plcgen.base.display.view import View
     from plcgen.proof.checks import Verification
+    from plcgen.report.registry import OutputFormat
 
 OK = 0
 PROBLEMS = 1
@@ -112,8 +112,8 @@ class Console:
 
     def view(self, output: Path | None = None, **looks: Any) -> View:
         """How a result on stdout, or in a file, shall look; ``looks`` are fields of View."""
+        from plcgen.base.display.view import View
         from plcgen.cli.sources import SourceCache
-        from plcgen.display.view import View
 
         out = sys.stdout
         target: Literal["file", "screen", "pipe"] = "file" if output else "screen" if is_terminal(out) else "pipe"
@@ -135,7 +135,7 @@ class Console:
         self, format_: OutputFormat, found: Answer, output: Path | None = None, known: dict[str, str] | None = None
     ) -> int:
         """Deliver an answer and return the exit code: whether an error stands in its diagnostics."""
-        from plcgen.diagnostics import has_errors
+        from plcgen.base.diagnostics import has_errors
 
         self.show(format_, "answer", found, output)
         if not format_.complete:
@@ -146,7 +146,7 @@ class Console:
         self, format_: OutputFormat, result: Verification, output: Path | None = None, *, ledger: bool = False
     ) -> int:
         """Deliver what was verified and return the exit code; ``--quiet`` leaves the troubles of a text."""
-        from plcgen.output.verification import troubles
+        from plcgen.report.verification import troubles
 
         short = self.quiet and format_.name == "text"
         result = replace(result, diagnostics=(*result.diagnostics, *self.weakened))
@@ -160,7 +160,7 @@ class Console:
         self, format_: OutputFormat, found: Sequence[Verification], output: Path | None = None, *, ledger: bool = False
     ) -> int:
         """Deliver what was verified of several specs and return the exit code, as :meth:`verification` does for one."""
-        from plcgen.output.verification import troubles
+        from plcgen.report.verification import troubles
 
         short = self.quiet and format_.name == "text"
         found = [replace(each, diagnostics=(*each.diagnostics, *self.weakened)) for each in found]
@@ -181,7 +181,7 @@ class Console:
         """
         if output is not None:
             if comment is not None:
-                from plcgen.output.seal import sealed
+                from plcgen.report.seal import sealed
 
                 text = sealed(text, comment)
             self._write_file(output, text.encode("utf-8", "replace"), fresh=fresh)
@@ -211,9 +211,9 @@ class Console:
             return ""
         import hashlib
 
-        from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-        from plcgen.input.files import read_bounded
-        from plcgen.output.seal import has_seal, is_result
+        from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
+        from plcgen.base.files.files import read_bounded
+        from plcgen.report.seal import has_seal, is_result
 
         data = read_bounded(output, MAX_RESULT)
         known = hashlib.sha256(data).hexdigest()
@@ -230,7 +230,7 @@ class Console:
             known = self.replaceable(path, fresh=fresh)
             replace_file(path, data, known)
         except FileExistsError as problem:
-            from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+            from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 
             message = "the file was changed while plcgen was running: it is kept as it is now"
             changed = Diagnostic("PG509", message, Span(path.as_posix()), help="look at it, then run plcgen again")
@@ -252,9 +252,9 @@ class Console:
         ``known`` holds texts that are no files, for the excerpts.
         """
         if diagnostics:
+            from plcgen.base.display.excerpts import diagnostics_text
+            from plcgen.base.display.view import View
             from plcgen.cli.sources import SourceCache
-            from plcgen.display.excerpts import diagnostics_text
-            from plcgen.display.view import View
 
             color, width = wants_color(self.color, sys.stderr), terminal_width(sys.stderr)
             _to_stderr(diagnostics_text(diagnostics, View(color, width, SourceCache(known).line)))
@@ -284,7 +284,7 @@ class _Bar:
         now = time.monotonic()
         if now - self.last < _PROGRESS_PAUSE:
             return
-        from plcgen.display.cells import clean, cut, pad
+        from plcgen.base.display.cells import clean, cut, pad
 
         self.last, self.drawn = now, True
         filled = _BAR * min(done, total) // total if total > 0 else 0
@@ -316,7 +316,7 @@ def _lines(text: str) -> str:
     """Lines that quote what somebody else wrote, without what a terminal would obey."""
     if text.replace("\n", "").isprintable():
         return text + "\n"
-    from plcgen.display.cells import clean
+    from plcgen.base.display.cells import clean
 
     return "".join(f"{clean(line)}\n" for line in text.split("\n"))
 

@@ -13,7 +13,7 @@ from plcgen.cli.output import OK, PROBLEMS, USAGE
 from plcgen.proof.effort import Faults
 
 if TYPE_CHECKING:
-    from plcgen.output.registry import OutputFormat
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(
@@ -56,7 +56,7 @@ def command(
     if a check fails, the lock differs, or something cannot be read; changes from another version are not failures.
     """
     from plcgen import api
-    from plcgen.diagnostics import DiagnosticError
+    from plcgen.base.diagnostics import DiagnosticError
 
     out = console()
     try:

@@ -11,8 +11,8 @@ from plcgen.cli.options import PATH, console, format_option, output_option, verb
 from plcgen.cli.output import OK
 
 if TYPE_CHECKING:
-    from plcgen.display.results import Answer
-    from plcgen.output.registry import OutputFormat
+    from plcgen.base.display.results import Answer
+    from plcgen.report.registry import OutputFormat
 
 KINDS = (
     "spec", "shared", "drive", "station", "profile", "policy", "lock", "config", "faults",
@@ -51,7 +51,7 @@ def command(*, kind: str, profiles: tuple[Path, ...], devices: bool, format_: Ou
         return out.answer(format_, _devices(), output)
     from plcgen import api
     from plcgen.api.schemas import WITH_PROFILES
-    from plcgen.display.data import dump
+    from plcgen.base.display.data import dump
 
     if profiles and kind not in WITH_PROFILES:
         raise click.UsageError(f"--profile belongs to the schemas {' and '.join(WITH_PROFILES)}, not to {kind}")
@@ -68,10 +68,10 @@ def _config() -> dict[str, Any]:
 
 
 def _devices() -> Answer:
-    from plcgen.display.data import head
-    from plcgen.display.results import Answer
-    from plcgen.display.table import text_table
-    from plcgen.protocols.ds47.devices import device_names, find_device
+    from plcgen.base.display.data import head
+    from plcgen.base.display.results import Answer
+    from plcgen.base.display.table import text_table
+    from plcgen.ds47.devices import device_names, find_device
 
     found = [find_device(name) for name in device_names()]
     data = [

@@ -12,8 +12,8 @@ from plcgen.cli.options import PATH, console, folder_option, format_option, outp
 from plcgen.cli.output import OK, PROBLEMS, USAGE, Console
 
 if TYPE_CHECKING:
-    from plcgen.output.registry import OutputFormat
-    from plcgen.trace.model import Trace
+    from plcgen.report.registry import OutputFormat
+    from plcgen.report.trace.model import Trace
 
 _MAX_SCANS = 10_000_000
 
@@ -74,7 +74,7 @@ def _show(out: Console, trace: Trace, format_: OutputFormat, output: Path | None
         return
     out.show(format_, "trace", trace, output)
     if not format_.complete and format_.name != "text":
-        from plcgen.trace.text import run_summary
+        from plcgen.report.trace.text import run_summary
 
         out.complain(trace.diagnostics)
         out.say(run_summary(trace))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from plcgen.input.files import read_bounded
+from plcgen.base.files.files import read_bounded
 
 _MAX_BYTES = 64 * 1024 * 1024
 _LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
@@ -38,7 +38,7 @@ def _read(path: Path) -> str:
             return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         pass
-    from plcgen.sources.text import decode_source
+    from plcgen.s7.read.text import decode_source
 
     text = decode_source(data, str(path))
     return text if isinstance(text, str) else data.decode("cp1252", "replace")

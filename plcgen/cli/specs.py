@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from plcgen.api import default_folder
-from plcgen.input.files import YAML_SUFFIXES
+from plcgen.base.files.files import YAML_SUFFIXES
 
 MAX_SEEN = 200_000
 """So many entries of a folder tree are looked at."""
@@ -35,8 +35,8 @@ def specs_below(folder: Path) -> list[Path]:
 
 def _included(spec: Path) -> Iterator[Path]:
     """The files that a spec includes, as far as they can be read."""
-    from plcgen.diagnostics import DiagnosticError
-    from plcgen.input.text import read_text
+    from plcgen.base.diagnostics import DiagnosticError
+    from plcgen.base.files.text import read_text
     from plcgen.project.composing import included_files
 
     try:
@@ -90,8 +90,8 @@ def one_folder(specs: Sequence[Path], folder: Path | None) -> None:
 
 def _files(folder: Path) -> Iterator[Path]:
     """The YAML files of a folder and below."""
-    from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-    from plcgen.input.files import walk
+    from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
+    from plcgen.base.files.files import walk
 
     seen = 0
     for where, folders, files in walk(folder):
@@ -104,9 +104,9 @@ def _files(folder: Path) -> Iterator[Path]:
 
 def _is_spec(path: Path) -> bool:
     """Whether a YAML file has the section, as a block or in braces as JSON has it; True if it cannot be read."""
-    from plcgen.input.files import read_bounded
-    from plcgen.input.text import decoded_list
-    from plcgen.input.yaml import MAX_BYTES
+    from plcgen.base.files.files import read_bounded
+    from plcgen.base.files.text import decoded_list
+    from plcgen.base.files.yaml import MAX_BYTES
 
     try:
         text = decoded_list(read_bounded(path, MAX_BYTES))

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from plcgen.s7.families import FAMILIES
+from plcgen.s7.types.families import FAMILIES
 
 if TYPE_CHECKING:
-    from plcgen.protocols.ds47.device import Device, Parameter
+    from plcgen.ds47.device import Device, Parameter
 
 
 _HEAD = """\

@@ -9,7 +9,7 @@ import click
 from plcgen.cli.convert import is_culture
 from plcgen.cli.options import PATH, console, tia_option, verb
 from plcgen.cli.output import OK
-from plcgen.protocols.ds47.wire.errors import TABLES, Table
+from plcgen.ds47.wire.errors import TABLES, Table
 
 FORMATS = ("xlsx", "xml", "csv")
 DEFAULT = ("en-US", "de-DE", "zh-CN")
@@ -45,9 +45,9 @@ def command(
     xlsx is what the text list editor of the TIA Portal exports and imports, xml is for TIA Openness, csv for
     everything else. The texts are available in English, German and Chinese.
     """
-    from plcgen.documents.text_lists import WRITERS
-    from plcgen.documents.writing import add_files
-    from plcgen.protocols.ds47.hmi.lists import LANGUAGES, text_lists
+    from plcgen.build.text_lists import WRITERS
+    from plcgen.build.writing import add_files
+    from plcgen.ds47.hmi.lists import LANGUAGES, text_lists
 
     cultures = tuple(dict.fromkeys(languages)) or DEFAULT
     for tag in cultures:

@@ -23,7 +23,7 @@ from plcgen.cli.watch import watch_option
 from plcgen.proof.effort import Faults
 
 if TYPE_CHECKING:
-    from plcgen.output.registry import OutputFormat
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(
@@ -150,7 +150,7 @@ def _shard(
 ) -> int:
     """Execute one share; what it gave is JSON."""
     from plcgen import api
-    from plcgen.display.data import dump
+    from plcgen.base.display.data import dump
 
     out = console()
     with out.progress() as progress:

@@ -13,9 +13,9 @@ from typing import Any, TypeVar
 import click
 
 from plcgen.api import default_folder
+from plcgen.base.diagnostics.counting import quantity
 from plcgen.cli.options import console
 from plcgen.cli.output import OK, Console
-from plcgen.diagnostics.counting import quantity
 
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 
@@ -67,7 +67,7 @@ def again(out: Console, run: Callable[[], int], look: Callable[[], State]) -> in
 
 def _run(out: Console, run: Callable[[], int]) -> None:
     """A mistake that ends a single run does not end the watch: it may be gone after the next change."""
-    from plcgen.diagnostics import DiagnosticError
+    from plcgen.base.diagnostics import DiagnosticError
 
     try:
         run()
@@ -128,7 +128,7 @@ def _files(given: dict[str, Any], *, generated: bool) -> Iterator[Path]:
 
 
 def _below(folder: Path, left: Path | None, *, generated: bool) -> Iterator[Path]:
-    from plcgen.sources.generated import MANIFEST
+    from plcgen.s7.read.generated import MANIFEST
 
     for name, folders, files in os.walk(folder):
         made = MANIFEST in files and not generated

@@ -6,11 +6,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Span
-from plcgen.input.includes import Read, gather
-from plcgen.input.text import read_text
-from plcgen.input.variables import VariableUse, substitute, with_origins
-from plcgen.input.yaml import YamlNode, parse_yaml
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Report, Span
+from plcgen.base.files.text import read_text
+from plcgen.base.files.yaml import YamlNode, parse_yaml
+from plcgen.project.includes import Read, gather
+from plcgen.project.variables import VariableUse, substitute, with_origins
 
 HELP = "start from an example: plcgen new"
 

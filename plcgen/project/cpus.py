@@ -12,9 +12,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from plcgen.input.text import read_text
-from plcgen.input.yaml import load_yaml
-from plcgen.resources import specs_dir
+from plcgen.base.files.text import read_text
+from plcgen.base.files.yaml import load_yaml
+from plcgen.base.resources import specs_dir
 
 KILO = 1024
 RECALLED = "k"

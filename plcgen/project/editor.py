@@ -13,12 +13,12 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaWarningKind
 
-from plcgen.input.variables import WHOLE
+from plcgen.project.variables import WHOLE
 
 VERSION = 1
 """Of files without a version of their own."""
 S7_NUMBER = "^((B|W|DW|L|BYTE|WORD|DWORD)#)?(16#[0-9A-Fa-f_]+|8#[0-7_]+|2#[01_]+)$"
-"""Numbers in the spelling of STEP 7, see ``plcgen.input.yaml``."""
+"""Numbers in the spelling of STEP 7, see ``plcgen.base.files.yaml``."""
 DURATION = r"^[0-9]{1,7}\s*(ms|s|min)$"
 
 

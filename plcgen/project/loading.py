@@ -6,18 +6,18 @@ import copyreg
 from pathlib import Path
 from typing import Any
 
-from plcgen.diagnostics import Report
-from plcgen.input.includes import Read
-from plcgen.input.salvage import Parts, Salvaged, salvage
-from plcgen.input.text import read_text
-from plcgen.input.validation import FileShape, keys_at, validate
-from plcgen.input.yaml import YamlNode
+from plcgen.base.diagnostics import Report
+from plcgen.base.files.text import read_text
+from plcgen.base.files.validation import FileShape, keys_at, validate
+from plcgen.base.files.yaml import YamlNode
 from plcgen.project.composing import HELP, compose, from_disk
+from plcgen.project.includes import Read
+from plcgen.project.part import SpecPart
+from plcgen.project.registry import protocols
+from plcgen.project.salvage import Parts, Salvaged, salvage
 from plcgen.project.schema import Spec
 from plcgen.project.shape import spec_model
 from plcgen.project.spec import LoadedSpec, SpecPath
-from plcgen.protocols.base import Protocol
-from plcgen.protocols.registry import protocols
 
 
 def load_spec(path: Path, report: Report) -> LoadedSpec | None:
@@ -64,7 +64,7 @@ def _as_text(spec: LoadedSpec) -> tuple[Any, ...]:
 copyreg.pickle(LoadedSpec, _as_text)  # its model is made anew: a class that was made for some protocols has no name
 
 
-def used_protocols(root: YamlNode) -> tuple[Protocol, ...]:
+def used_protocols(root: YamlNode) -> tuple[SpecPart, ...]:
     """The protocols whose sections stand in a spec; without any, the first one, whose keys are missing then."""
     used = tuple(protocol for protocol in protocols() if any(key in root.pairs for key in protocol.sections))
     return used or protocols()[:1]

@@ -13,8 +13,8 @@ from typing import Any, Generic, TypeVar
 
 from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.project.target import Target
-from plcgen.s7.address import Address
-from plcgen.s7.types import DataType
+from plcgen.s7.types.address import Address
+from plcgen.s7.types.data_types import DataType
 
 
 @dataclass(frozen=True, slots=True)

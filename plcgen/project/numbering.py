@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from plcgen.project.nouns import BlockRef
 from plcgen.project.spec import SpecPath
 from plcgen.project.target import Target
-from plcgen.s7.names import shorten
+from plcgen.s7.types.names import shorten
 
 V5_SYMBOL_LENGTH = 24
 _ROLE = re.compile(r"(?:_Request[0-9]*|_Response[0-9]*|_DB|_WrRec|_RdRec|_Send|_Receive|_Buffer|Token)\Z")

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, has_errors
-from plcgen.input.allowances import Allowance, allowances, settled
-from plcgen.input.variables import with_origins
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Report, has_errors
+from plcgen.project.allowances import Allowance, allowances, settled
 from plcgen.project.loading import load_spec, salvage_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
 from plcgen.project.rules import apply_rules
 from plcgen.project.spec import LoadedSpec
+from plcgen.project.variables import with_origins
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, Report
-from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.base.diagnostics import Diagnostic, Report
+from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.project.loading import used_protocols
 from plcgen.project.nouns import Project
 from plcgen.project.numbering import Numbering

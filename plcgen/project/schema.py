@@ -11,11 +11,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema
 
-from plcgen.input.printed import Name, Printed
-from plcgen.input.validation import StrictModel, problem
-from plcgen.input.variables import NAME
+from plcgen.base.files.printed import Name, Printed
+from plcgen.base.files.validation import StrictModel, problem
 from plcgen.project.editor import DURATION
-from plcgen.s7.families import Family
+from plcgen.project.variables import NAME
+from plcgen.s7.types.families import Family
 
 Toolchain = Literal[
     "step7-v5", "tia-v13sp1", "tia-v14", "tia-v14sp1", "tia-v15", "tia-v15.1",

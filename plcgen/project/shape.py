@@ -8,26 +8,26 @@ from typing import Any
 
 from pydantic import create_model
 
-from plcgen.input.includes import WHOLE
-from plcgen.plugins import expect_free
+from plcgen.base.plugins import expect_free
 from plcgen.project.editor import Requirements, in_a_file, with_variables
+from plcgen.project.includes import WHOLE
+from plcgen.project.part import SpecPart
+from plcgen.project.registry import GROUP
 from plcgen.project.schema import Spec
-from plcgen.protocols.base import Protocol
-from plcgen.protocols.registry import GROUP
 
 VERSION = 1
 """Version of the spec format, the only one that ``version:`` may say."""
 
 
 @functools.cache
-def spec_model(used: tuple[Protocol, ...]) -> type[Spec]:
+def spec_model(used: tuple[SpecPart, ...]) -> type[Spec]:
     """The shape of a spec that uses these protocols. Raises PluginError if one has a key that every spec has."""
     expect_free(GROUP, (section for protocol in used for section in protocol.sections), Spec.model_fields)
     sections = tuple(protocol.section(alone=len(used) == 1) for protocol in used)
     return create_model("Spec", __base__=(Spec, *sections), __doc__=Spec.__doc__)  # type: ignore[arg-type]
 
 
-def json_schema(known: tuple[Protocol, ...], profiles: Sequence[str] = (), *, shared: bool = False) -> dict[str, Any]:
+def json_schema(known: tuple[SpecPart, ...], profiles: Sequence[str] = (), *, shared: bool = False) -> dict[str, Any]:
     """JSON schema (draft 2020-12) of a job spec for editors, short forms included; ``shared``: of an included file.
 
     It offers what ``profiles`` of the user's own name, too. Raises DiagnosticError if one of these files is none.

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, TypeVar
 
-from plcgen.diagnostics import Span
-from plcgen.input.hashes import text_digest
-from plcgen.input.variables import VariableUse
-from plcgen.input.yaml import YamlNode
+from plcgen.base.diagnostics import Span
+from plcgen.base.files.hashes import text_digest
+from plcgen.base.files.yaml import YamlNode
 from plcgen.project.schema import Spec
+from plcgen.project.variables import VariableUse
 
 if TYPE_CHECKING:
     from pydantic import BaseModel

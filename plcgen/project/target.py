@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING
 
-from plcgen.scl.dialect import Dialect
+from plcgen.s7.scl.dialect import Dialect
 
 if TYPE_CHECKING:
     from plcgen.project.cpus import CpuType

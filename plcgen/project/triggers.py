@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 
-from plcgen.diagnostics import Diagnostic, Report
+from plcgen.base.diagnostics import Diagnostic, Report
 from plcgen.project.nouns import Flag, OwnSymbol, PlannedTrigger
 from plcgen.project.schema import Trigger
 from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.project.target import target
-from plcgen.s7.address import Address, AddressError, parse_address
-from plcgen.s7.names import TIA_LIMIT, V5_LIMIT, check_name
+from plcgen.s7.types.address import Address, AddressError, parse_address
+from plcgen.s7.types.names import TIA_LIMIT, V5_LIMIT, check_name
 
 _SYMBOL = re.compile(r'(?:"([^"]+)"|([^\W\d]\w*))((?:\.[^\W\d]\w*(?:\[[0-9]{1,5}\])?)*)')
 _LIKE_AN_ADDRESS = re.compile(r"%|(?i:P?[IQEAM][BWDX]?|DB|[TCZ])[0-9]")

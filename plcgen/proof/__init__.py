@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
 from plcgen.proof.checks import Check, CheckGroup, Outcome, Verification
 from plcgen.proof.effort import Faults
 

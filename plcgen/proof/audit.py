@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from plcgen.diagnostics import DiagnosticError, Report
-from plcgen.diagnostics.counting import shortlist
+from plcgen.base.diagnostics import DiagnosticError, Report
+from plcgen.base.diagnostics.counting import shortlist
 from plcgen.proof.checks import Verification
 
 
@@ -26,7 +26,7 @@ def audit_files(paths: Sequence[Path], spec: Path) -> Verification:
 
 def _audit(paths: Sequence[Path], spec: Path, label: str, report: Report) -> Verification:
     from plcgen.project.opening import open_spec
-    from plcgen.sources.blocks import read_sources
+    from plcgen.s7.read.blocks import read_sources
 
     opened = open_spec(spec)
     project = opened.sound()

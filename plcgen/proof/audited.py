@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from plcgen.diagnostics import Diagnostic, Note, Severity, Span
+from plcgen.base.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.proof.checks import Check, CheckGroup, Outcome
 
 

@@ -23,10 +23,10 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
 
-from plcgen.input.files import read_bounded
+from plcgen.base.files.files import read_bounded
+from plcgen.base.replacing import DRAFT, digest_of, replace_file
 from plcgen.proof.results import Result
 from plcgen.proof.stored import RESULT, portable, with_folder
-from plcgen.replacing import DRAFT, digest_of, replace_file
 
 FORMAT = 1
 VARIABLE = "PLCGEN_CACHE"

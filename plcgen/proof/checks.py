@@ -6,7 +6,7 @@ import enum
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from plcgen.diagnostics import Diagnostic, has_errors
+from plcgen.base.diagnostics import Diagnostic, has_errors
 from plcgen.proof.ledger import Assumption
 
 

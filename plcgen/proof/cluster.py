@@ -11,7 +11,7 @@ from concurrent.futures import BrokenExecutor, Executor, Future
 from contextlib import contextmanager
 from typing import Any
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Severity, Span
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 
 PATIENCE = 20
 """Seconds that a scheduler and its first worker are waited for."""

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from plcgen.proof.values import ANYTHING, FALSE, TRUE, Env, Values, calculated, either, narrowed
-from plcgen.scl import ast
-from plcgen.scl.constants import evaluate
+from plcgen.s7.scl import ast
+from plcgen.s7.scl.constants import evaluate
 
 MIRRORED = {"<": ">", ">": "<", "<=": ">=", ">=": "<=", "=": "=", "<>": "<>"}
 OPPOSITE = {"<": ">=", ">=": "<", ">": "<=", "<=": ">", "=": "<>", "<>": "="}

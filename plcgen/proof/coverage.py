@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from plcgen.cpu.linkage import Probe
-from plcgen.cpu.program import Program
 from plcgen.proof.conditions import Premise
 from plcgen.proof.reach import reachable
-from plcgen.scl import ast
-from plcgen.scl.logic import DECIDES
+from plcgen.s7.cpu.linkage import Probe
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.scl import ast
+from plcgen.s7.scl.logic import DECIDES
 
 Step = tuple[int, int]
 NO_OTHER = "the selector has no other value"

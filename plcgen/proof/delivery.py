@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from plcgen.diagnostics import Span
+from plcgen.base.diagnostics import Span
 from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check
 from plcgen.proof.files import check_files

@@ -18,14 +18,14 @@ from typing import Any, Protocol
 
 from pydantic import BaseModel
 
-from plcgen.cpu.program import Program
-from plcgen.diagnostics import PlcgenError
+from plcgen.base.diagnostics import PlcgenError
 from plcgen.proof.effort import Faults
 from plcgen.proof.fingerprint import fingerprint
 from plcgen.proof.rig import ProgramBench
 from plcgen.proof.suite import Procedure, Reads, Suite, WorkPart
-from plcgen.s7.blocks import BlockKind
-from plcgen.scl.lexer import ADDRESS, LOCAL, STRING, tokenize
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.scl.lexer import ADDRESS, LOCAL, STRING, tokenize
+from plcgen.s7.types.blocks import BlockKind
 
 _LEFT_OUT = frozenset({"loaded", "protocol", "comment", "path"})
 """Fields that no run looks at: the text of the spec and places in it, the code of the tool, texts for people."""

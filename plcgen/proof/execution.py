@@ -8,9 +8,8 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
-from plcgen.cpu.program import Program
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.diagnostics.counting import quantity
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.base.diagnostics.counting import quantity
 from plcgen.project.nouns import PlannedJob, Project
 from plcgen.project.ownership import is_owned
 from plcgen.proof.checks import Check, Outcome, Trial
@@ -25,7 +24,8 @@ from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, ScenarioError, Statistics, diagnostic
 from plcgen.proof.sharing import Sharing
 from plcgen.proof.suite import CodeBlock, Procedure, Suite, WorkPart
-from plcgen.scl.logic import DECIDES
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.scl.logic import DECIDES
 
 MAX_FAILURES = 3
 

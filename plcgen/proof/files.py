@@ -7,15 +7,15 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, Severity, Span
+from plcgen.base.diagnostics import Diagnostic, Severity, Span
 from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check, Outcome, file_check
 from plcgen.proof.folder import Folder
 from plcgen.proof.inventory import inventory, listed_files, owned_files
 from plcgen.proof.making import Pending, attempted
-from plcgen.scl.dialect import Dialect
-from plcgen.simaticml.reading.invariants import check_invariants
-from plcgen.sources.generated import generated_documents, generated_sources, spec_of
+from plcgen.s7.read.generated import generated_documents, generated_sources, spec_of
+from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.xml.reading.invariants import check_invariants
 
 _DIALECTS = {
     Dialect.STEP7_V5: "S7-SCL of STEP 7 V5",

@@ -9,8 +9,8 @@ from functools import lru_cache
 from pathlib import Path
 
 from plcgen._version import __version__
-from plcgen.plugins import offered
-from plcgen.resources import specs_dir, templates_dir
+from plcgen.base.plugins import offered
+from plcgen.base.resources import specs_dir, templates_dir
 
 LIBRARIES = ("jinja2", "lxml", "click", "pydantic", "PyYAML")
 

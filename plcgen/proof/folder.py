@@ -9,14 +9,14 @@ from functools import partial
 from html import unescape
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, Span
+from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.project.target import Target
 from plcgen.proof.making import attempted
-from plcgen.s7.blocks import Block
-from plcgen.s7.shapes import TypeTable
-from plcgen.simaticml.reading.documents import read_simaticml
-from plcgen.sources.generated import generated_documents, generated_sources
-from plcgen.sources.text import read_source
+from plcgen.s7.layout.shapes import TypeTable
+from plcgen.s7.read.generated import generated_documents, generated_sources
+from plcgen.s7.read.text import read_source
+from plcgen.s7.types.blocks import Block
+from plcgen.s7.xml.reading.documents import read_simaticml
 
 _BAR = re.compile(r"(?<!\\)\|")
 _ESCAPED = re.compile(r"\\([^\w\s])")

@@ -6,15 +6,15 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.project.nouns import BlockRef, Project
 from plcgen.project.ownership import is_owned
 from plcgen.proof.checks import Check, file_check
 from plcgen.proof.folder import Folder
-from plcgen.s7.blocks import Block, BlockKind
-from plcgen.s7.types import Member, inner_members
-from plcgen.simaticml.reading.xml import child, children, load, local, parse_xml, text
-from plcgen.sources.generated import generated_documents
+from plcgen.s7.read.generated import generated_documents
+from plcgen.s7.types.blocks import Block, BlockKind
+from plcgen.s7.types.data_types import Member, inner_members
+from plcgen.s7.xml.reading.xml import child, children, load, local, parse_xml, text
 
 MAIN, AUTHOR = "Main", "plcgen"
 HEADER = frozenset({"AUTHOR", "FAMILY", "NAME", "VERSION"})

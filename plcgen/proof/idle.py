@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.folder import load_folder
-from plcgen.cpu.program import Program
 from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.standins import stand_ins
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.folder import load_folder
+from plcgen.s7.cpu.program import Program
 
 _SCANS = 4
 """In the first scans after a start blocks initialise themselves."""

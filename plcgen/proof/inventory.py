@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, Span
-from plcgen.input.files import read_bounded
-from plcgen.input.hashes import has_digest
-from plcgen.paths import trap_in
+from plcgen.base.diagnostics import Diagnostic, Span
+from plcgen.base.files.files import read_bounded
+from plcgen.base.files.hashes import has_digest
+from plcgen.base.paths import trap_in
 from plcgen.project.nouns import Project
 from plcgen.project.ownership import is_owned, owning
-from plcgen.sources.generated import JOURNAL, MANIFEST, MAX_MANIFEST, known_files
+from plcgen.s7.read.generated import JOURNAL, MANIFEST, MAX_MANIFEST, known_files
 
 MOST_FILES = 200_000
 """Files that are listed in a folder."""

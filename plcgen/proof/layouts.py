@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import zip_longest
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.project.nouns import BlockRef, Frame
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.proof.making import Pending
 from plcgen.proof.suite import LaidOut
-from plcgen.s7.blocks import Block
-from plcgen.s7.layout import Layout, layout_block
-from plcgen.s7.spelling import type_text
-from plcgen.s7.types import DataType, Elementary
+from plcgen.s7.layout.layout import Layout, layout_block
+from plcgen.s7.types.blocks import Block
+from plcgen.s7.types.data_types import DataType, Elementary
+from plcgen.s7.types.spelling import type_text
 
 TELEGRAM, TEXT, XML = "telegram", "text source", "SimaticML"
 """The three sources, as messages name them; the last two are laid out by one engine."""

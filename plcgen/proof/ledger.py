@@ -38,7 +38,7 @@ class Assumption:
 LAYOUT = Assumption(
     "layout",
     "offsets of standard access",
-    "layouts compiled by STEP 7 V5 and the TIA Portal (plcgen.s7.shapes names them)",
+    "layouts compiled by STEP 7 V5 and the TIA Portal (plcgen.s7.layout.shapes names them)",
     Grade.OBSERVED,
 )
 """What every protocol with buffers rests on."""

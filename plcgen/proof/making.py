@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.proof.checks import Check, Outcome
 
 

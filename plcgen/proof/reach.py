@@ -14,7 +14,7 @@ from math import inf
 from typing import TypeAlias
 
 from plcgen.proof.conditions import OPPOSITE, Names, Premise
-from plcgen.proof.values import (
+from plcgen.proof.values import (  # fmt: skip
     ANYTHING,
     MOST,
     TRUE,
@@ -27,10 +27,10 @@ from plcgen.proof.values import (
     join,
     least,
     narrowed,
-)  # fmt: skip
-from plcgen.scl import ast
-from plcgen.scl.constants import evaluate
-from plcgen.scl.logic import DECIDES, decisions, demands
+)
+from plcgen.s7.scl import ast
+from plcgen.s7.scl.constants import evaluate
+from plcgen.s7.scl.logic import DECIDES, decisions, demands
 
 KINDS = ("statement", "branch", "else", "loop", "pass", *DECIDES.values())
 Place: TypeAlias = tuple[int, str]

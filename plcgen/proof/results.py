@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from plcgen.cpu.program import Program
 from plcgen.proof.checks import Trial
 from plcgen.proof.scenario import Failure, Statistics
+from plcgen.s7.cpu.program import Program
 
 
 @dataclass(slots=True)

@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.folder import FolderParts, read_parts
-from plcgen.cpu.program import Program
-from plcgen.diagnostics import DiagnosticError
+from plcgen.base.diagnostics import DiagnosticError
 from plcgen.project.nouns import BlockRef, Project
 from plcgen.proof.scenario import ScenarioError
 from plcgen.proof.standins import stand_ins
-from plcgen.s7.image import Tree
-from plcgen.s7.layout import Layout, locate
-from plcgen.s7.types import Elementary
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.folder import FolderParts, read_parts
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.layout.image import Tree
+from plcgen.s7.layout.layout import Layout, locate
+from plcgen.s7.types.data_types import Elementary
 
 
 def read_program(project: Project, folder: Path) -> FolderParts:

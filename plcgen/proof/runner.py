@@ -6,12 +6,12 @@ import random
 from dataclasses import replace
 from typing import Generic, Protocol, TypeVar
 
-from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.program import Program
-from plcgen.diagnostics import Span
+from plcgen.base.diagnostics import Span
 from plcgen.proof.making import unexpected
 from plcgen.proof.rig import Members, Source
 from plcgen.proof.scenario import DONE, IDLE, RUNNING, STARTED, Failure, Scenario, ScenarioError, Statistics
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.program import Program
 
 MAX_SCANS = 40_000
 HOLD_SCANS = 2

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, PlcgenError, Span
+from plcgen.base.diagnostics import Diagnostic, PlcgenError, Span
 
 DONE, IDLE, STARTED, RUNNING = 0x0000, 0x7000, 0x7001, 0x7002
 """The status words that every job has, as in the blocks of Siemens."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError
-from plcgen.input.files import read_bounded
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError
+from plcgen.base.files.files import read_bounded
 from plcgen.oracles.offsets import NotKnownError, WrittenBlocks
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
-from plcgen.s7.blocks import BlockKind
-from plcgen.s7.layout import Layout, layout_block
+from plcgen.s7.layout.layout import Layout, layout_block
+from plcgen.s7.types.blocks import BlockKind
 
 MAX_SOURCE = 64 * 1024 * 1024
 

@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from plcgen._version import __version__
-from plcgen.diagnostics import ArgumentError, Diagnostic, DiagnosticError, Span, has_errors
-from plcgen.input.files import read_bounded
+from plcgen.base.diagnostics import ArgumentError, Diagnostic, DiagnosticError, Span, has_errors
+from plcgen.base.files.files import read_bounded
 from plcgen.proof.results import Result
 from plcgen.proof.sharing import Shard
 from plcgen.proof.stored import RESULT, portable, with_folder

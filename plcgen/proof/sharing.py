@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from queue import SimpleQueue
 from typing import Protocol
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, PlcgenError, Severity, Span
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, PlcgenError, Severity, Span
 from plcgen.proof.fingerprint import fingerprint
 from plcgen.proof.results import Result
 from plcgen.proof.workers import Workers, cores, possible

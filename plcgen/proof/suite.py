@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
-from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.program import Program
-from plcgen.diagnostics import Span
+from plcgen.base.diagnostics import Span
 from plcgen.project.nouns import Buffer, BufferField, PlannedJob
 from plcgen.proof.checks import Check, CheckGroup
 from plcgen.proof.conditions import Premise
@@ -20,6 +18,8 @@ from plcgen.proof.ledger import Assumption
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Scenario, Statistics
 from plcgen.proof.sharing import Sharing
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.program import Program
 
 Progress = Callable[[str, int, int], None]
 S = TypeVar("S", bound=Scenario)

@@ -11,20 +11,20 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 
-from plcgen.diagnostics import Diagnostic, Span
-from plcgen.input.files import read_bounded
-from plcgen.input.workbook import read_sheets
+from plcgen.base.diagnostics import Diagnostic, Span
+from plcgen.base.files.files import read_bounded
+from plcgen.base.files.workbook import read_sheets
+from plcgen.base.resources import templates_dir
 from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check, file_check
 from plcgen.proof.folder import Folder
 from plcgen.proof.headers import MAIN
 from plcgen.proof.making import attempted
-from plcgen.resources import templates_dir
-from plcgen.s7.address import Address
-from plcgen.s7.blocks import Block, BlockKind
-from plcgen.s7.image import image
-from plcgen.s7.layout import Layout, layout_block, locate
-from plcgen.simaticml.reading.documents import read_tag_table, read_watch_table
+from plcgen.s7.layout.image import image
+from plcgen.s7.layout.layout import Layout, layout_block, locate
+from plcgen.s7.types.address import Address
+from plcgen.s7.types.blocks import Block, BlockKind
+from plcgen.s7.xml.reading.documents import read_tag_table, read_watch_table
 
 MAX_BYTES = 16 * 1024 * 1024
 MAX_TAGS = 1_000_000

@@ -6,20 +6,20 @@ import re
 from collections.abc import Callable, Iterator
 from itertools import zip_longest
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError
 from plcgen.project.nouns import Project
 from plcgen.project.ownership import is_owned
 from plcgen.proof.checks import Check, file_check
 from plcgen.proof.folder import Folder
 from plcgen.proof.wording.envelopes import said_in_spec
 from plcgen.proof.wording.model import stated_facts
-from plcgen.s7.blocks import Block, BlockKind, SectionKind
-from plcgen.s7.image import image
-from plcgen.s7.initializers import flatten, parse_initializer
-from plcgen.s7.layout import layout_block
-from plcgen.s7.literals import LiteralError
-from plcgen.s7.types import DataType, Member, inner_members
-from plcgen.scl.lexer import KEYWORDS, Tokens, tokenize
+from plcgen.s7.layout.image import image
+from plcgen.s7.layout.layout import layout_block
+from plcgen.s7.scl.lexer import KEYWORDS, Tokens, tokenize
+from plcgen.s7.types.blocks import Block, BlockKind, SectionKind
+from plcgen.s7.types.data_types import DataType, Member, inner_members
+from plcgen.s7.types.initializers import flatten, parse_initializer
+from plcgen.s7.types.literals import LiteralError
 
 _CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
 _REMARK = re.compile(r"(?://|\bREGION\b)(.*)$", re.MULTILINE)

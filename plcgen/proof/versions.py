@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, Span
-from plcgen.input.files import read_bounded
+from plcgen.base.diagnostics import Diagnostic, Span
+from plcgen.base.files.files import read_bounded
 from plcgen.oracles.documents import document_versions, instruction_versions
 from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
-from plcgen.sources.generated import generated_documents, generated_sources
+from plcgen.s7.read.generated import generated_documents, generated_sources
 
 MAX_FILE = 64 * 1024 * 1024
 _ENGINEERING = re.compile(rb'<Engineering version="([^"]*)"')

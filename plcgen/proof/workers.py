@@ -25,7 +25,7 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import IO, Any, NoReturn
 
-from plcgen.diagnostics import DiagnosticError
+from plcgen.base.diagnostics import DiagnosticError
 
 START = "import pickle, sys; sys.path = pickle.load(sys.stdin.buffer); from plcgen.proof.workers import serve; serve()"
 TASK = "task"

@@ -363,7 +363,7 @@ def test_the_code_page_can_be_named(plcgen, tmp_path):
 
 def test_a_folder_with_too_many_sources_is_refused(plcgen, tmp_path, monkeypatch):
     """Nothing is left out in silence: PG802 with the bound."""
-    monkeypatch.setattr("plcgen.cpu.sources.MAX_FILES", 1)
+    monkeypatch.setattr("plcgen.s7.cpu.sources.MAX_FILES", 1)
     folder = tmp_path / "many"
     folder.mkdir()
     for name in ("a.scl", "b.scl"):

@@ -5,12 +5,12 @@ from typing import get_args
 
 import pytest
 
+from plcgen.base.diagnostics import Report
+from plcgen.base.files.toml import parse_toml
 from plcgen.cli.config import STRICTEST, Config, FailOn, find_config, weakened
 from plcgen.cli.main import cli
 from plcgen.cli.options import CONFIGURED
-from plcgen.diagnostics import Report
-from plcgen.input.toml import parse_toml
-from plcgen.output.registry import formats_for
+from plcgen.report.registry import formats_for
 
 FULL = """\
 specs = ["job.yaml"]

@@ -8,7 +8,7 @@ import click
 import pytest
 
 from plcgen.cli.main import cli
-from plcgen.protocols.ds47.live.connection import S7Connection
+from plcgen.ds47.live.connection import S7Connection
 
 RUN = re.compile(r"(explain|schema|(ppi )?(encode|decode)|catalogue show|live read) ")
 

@@ -14,10 +14,10 @@ import click
 import pytest
 from projects import ROOT
 
+from plcgen.build.environment import RenderedFile
+from plcgen.build.staging import STAGE
 from plcgen.cli.main import cli
-from plcgen.documents.environment import RenderedFile
-from plcgen.documents.staging import STAGE
-from plcgen.output import registry
+from plcgen.report import registry
 
 DB = 'DATA_BLOCK "B"\nSTRUCT\n  a : Int;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
 WRITES = {

@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 from projects import FAQ, ROOT
 
-from plcgen.diagnostics import PluginError
-from plcgen.display.view import PLAIN
-from plcgen.output import formats, registry
+from plcgen.base.diagnostics import PluginError
+from plcgen.base.display.view import PLAIN
+from plcgen.report import formats, registry
 
 TOY = '''"""A format of somebody else: counts."""
 
-from plcgen.output.registry import OutputFormat
+from plcgen.report.registry import OutputFormat
 
 FORMAT = OutputFormat(
     name="toy",
@@ -114,7 +114,7 @@ def test_formats_are_imported_when_asked_for():
     """A run in text imports no other format."""
     code = (
         "import sys; from plcgen.cli.main import run; run(['check', sys.argv[1]]);"
-        "print([name for name in sys.modules if name.startswith('plcgen.output.formats.')])"
+        "print([name for name in sys.modules if name.startswith('plcgen.report.formats.')])"
     )
     out = subprocess.run([sys.executable, "-c", code, FAQ], capture_output=True, text=True, check=True).stdout
-    assert out == "['plcgen.output.formats.text']\n"
+    assert out == "['plcgen.report.formats.text']\n"

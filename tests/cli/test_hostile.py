@@ -128,7 +128,7 @@ def test_a_lock_names_no_path_of_this_machine(plcgen, tmp_path):
 
 def test_a_small_spec_is_refused_before_it_becomes_large(plcgen, tmp_path, monkeypatch):
     """Telegrams per job and per project are bounded before buffers are made of them."""
-    from plcgen.protocols.ds47.plan import room
+    from plcgen.ds47.plan import room
 
     jobs = "".join(f' j{n}: {{drive: d, read: [{{parameter: "r9[0..9999]", type: Unsigned32}}]}}\n' for n in range(9))
     text = "plc: {name: a, family: s7-300, toolchain: tia-v16}\ndrives: {d: {device: sinamics-g120, address: 256}}\n"

@@ -11,8 +11,8 @@ import pytest
 from projects import FAQ, ROOT
 
 from plcgen import __version__
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.cli import main, output
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
 
 
 def test_a_file_without_rights_is_a_problem_of_the_file(plcgen, good, monkeypatch):
@@ -157,8 +157,8 @@ def test_version_imports_no_click():
 @pytest.mark.slow
 def test_a_check_leaves_out_what_other_verbs_need():
     """Neither their results, nor CPU types, system blocks, literals, templates or XML."""
-    others = {"plcgen.api.sources", "plcgen.api.telegrams", "plcgen.inspection.layout.tables", "plcgen.project.cpus"}
-    others |= {"plcgen.s7.system", "plcgen.s7.blocks", "plcgen.s7.literals", "jinja2", "lxml"}
+    others = {"plcgen.api.sources", "plcgen.api.telegrams", "plcgen.s7.tables.tables", "plcgen.project.cpus"}
+    others |= {"plcgen.s7.types.system", "plcgen.s7.types.blocks", "plcgen.s7.types.literals", "jinja2", "lxml"}
     assert not imported("check", "--quiet", str(FAQ)) & others
 
 

@@ -7,12 +7,12 @@ from jsonschema import Draft202012Validator
 from ppi.vectors import FRAMES
 
 from plcgen.api import schema
+from plcgen.base.line.tcp import TcpServer
 from plcgen.cli.ppi import SECTIONS
 from plcgen.cli.ppi.capture import Capture, capture_of
-from plcgen.line.tcp import TcpServer
-from plcgen.protocols.ppi.sim import Bus, Station
-from plcgen.protocols.ppi.sim.fault_text import parse_fault
-from plcgen.protocols.ppi.sim.serve import Serving
+from plcgen.ppi.sim import Bus, Station
+from plcgen.ppi.sim.fault_text import parse_fault
+from plcgen.ppi.sim.serve import Serving
 
 VB100 = "68 1B 1B 68 02 00 6C 32 01 00 00 00 00 00 0E 00 00 04 01 12 0A 10 02 00 01 00 01 84 00 03 20 8B 16"
 ANSWER = "68 16 16 68 00 02 08 32 03 00 00 00 00 00 02 00 05 00 00 04 01 FF 04 00 08 22 78 16"
@@ -200,8 +200,8 @@ def test_decode_knows_what_was_asked(plcgen):
 )
 def test_decode_explains_errors(plcgen, pdu, text):
     """Header errors and return codes in words: such answers are valid telegrams."""
-    from plcgen.protocols.ppi.wire.fdl import encode_frame
-    from plcgen.protocols.ppi.wire.model import VariableFrame
+    from plcgen.ppi.wire.fdl import encode_frame
+    from plcgen.ppi.wire.model import VariableFrame
 
     result = plcgen("ppi", "decode", encode_frame(VariableFrame(0, 2, 8, bytes.fromhex(pdu))).hex())
     assert result.code == 0

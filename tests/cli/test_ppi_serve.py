@@ -17,7 +17,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from plcgen.api import schema
-from plcgen.line.tcp import parse_endpoint
+from plcgen.base.line.tcp import parse_endpoint
 
 ROOT = Path(__file__).parents[2]
 SOON = 20.0
@@ -185,7 +185,7 @@ def test_mistakes_end_without_a_traceback(plcgen, args, code, words) -> None:
 
 def test_signals_are_given_back(plcgen, monkeypatch) -> None:
     """A program that calls the verb in its own process keeps its Ctrl-C."""
-    monkeypatch.setattr("plcgen.protocols.ppi.sim.serve.serve_line", lambda *_: None)
+    monkeypatch.setattr("plcgen.ppi.sim.serve.serve_line", lambda *_: None)
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
     assert plcgen("ppi", "serve").code == 0
     assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
@@ -202,7 +202,7 @@ def test_a_busy_port_is_told(plcgen) -> None:
 def test_a_serial_port_that_vanishes_ends_it_with_a_reason(tmp_path: Path) -> None:
     """A pseudo terminal is the port; its other side is closed in mid-run."""
     pytest.importorskip("serial")
-    from plcgen.line.pty import PtyLine
+    from plcgen.base.line.pty import PtyLine
 
     master = PtyLine()
     with running(tmp_path, "--port", master.name) as (process, name):

@@ -10,9 +10,9 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from plcgen.protocols.ds47.hmi.lists import LANGUAGES, text_lists, translations
-from plcgen.protocols.ds47.wire.errors import known_numbers
-from plcgen.protocols.ds47.words import STATUS_WORDS
+from plcgen.ds47.hmi.lists import LANGUAGES, text_lists, translations
+from plcgen.ds47.wire.errors import known_numbers
+from plcgen.ds47.words import STATUS_WORDS
 
 MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
 

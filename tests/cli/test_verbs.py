@@ -10,10 +10,10 @@ import pytest
 import yaml
 
 from plcgen import api as plcgen_api
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.base.resources import specs_dir
+from plcgen.ds47.devices import device_names
 from plcgen.proof.checks import Check, CheckGroup, Outcome, Verification
-from plcgen.protocols.ds47.devices import device_names
-from plcgen.resources import specs_dir
 
 
 def test_check_good(plcgen, good):

@@ -4,10 +4,10 @@ from pathlib import Path
 
 from yaml_files import read_yaml
 
-from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.program import Program
-from plcgen.cpu.type_rules import IecCheck
-from plcgen.scl.dialect import Dialect
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.cpu.type_rules import IecCheck
+from plcgen.s7.scl.dialect import Dialect
 
 HERE = Path(__file__).parent
 DIALECTS = {"V5": Dialect.STEP7_V5, "T3": Dialect.TIA_300_400, "T15": Dialect.TIA_1200_1500}

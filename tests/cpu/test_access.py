@@ -6,7 +6,7 @@ actual parameter and the called block have the same access setting, else by copy
 
 import pytest
 
-from plcgen.cpu.testing import load_scl
+from plcgen.s7.cpu.testing import load_scl
 
 PROGRAM = """TYPE "Pair"
 STRUCT a : Int; b : Int; END_STRUCT;

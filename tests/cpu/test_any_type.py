@@ -3,8 +3,8 @@
 import pytest
 from cpu.support import DIALECTS, load
 
-from plcgen.cpu.program import Program
-from plcgen.s7.types import ELEMENTARY, HARDWARE
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.types.data_types import ELEMENTARY, HARDWARE
 
 TYPES = [
     *sorted(set(ELEMENTARY) - HARDWARE), "HW_IO", "DB_ANY", "String", "WString", "String[5]", "Variant", "REF_TO Int",

@@ -5,7 +5,7 @@ import datetime as dt
 import pytest
 from cpu.support import load
 
-from plcgen.cpu.cpu import Cpu
+from plcgen.s7.cpu.cpu import Cpu
 
 TIMER = {"in": "x : Bool;", "out": "q : Bool; et : Time;", "code": "#t(IN := #x, PT := T#30ms, Q => #q, ET => #et);"}
 

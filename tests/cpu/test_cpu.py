@@ -5,10 +5,10 @@ import datetime as dt
 import pytest
 from cpu.support import load, run
 
-from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.program import Program
-from plcgen.cpu.testing import load_scl
-from plcgen.scl.dialect import Dialect
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.cpu.testing import load_scl
+from plcgen.s7.scl.dialect import Dialect
 
 PROGRAM = """DATA_BLOCK "Kept"
 { S7_Optimized_Access := 'FALSE' }

@@ -6,10 +6,10 @@ import itertools
 
 import pytest
 
-from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.program import Program
-from plcgen.scl.dialect import Dialect
-from plcgen.scl.logic import DECIDES
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.scl.logic import DECIDES
 
 FRAME = """FUNCTION_BLOCK "Test"
 VAR a : Bool; b : Bool; c : Bool; r : Bool; n : Int; x : Array[0..3] of Int; END_VAR

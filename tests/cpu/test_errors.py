@@ -4,11 +4,11 @@ import pytest
 from cpu.support import cases, load, source
 from work import calls_of
 
-from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.program import Program
-from plcgen.cpu.testing import load_scl
-from plcgen.diagnostics import DiagnosticError, Severity
-from plcgen.scl.dialect import Dialect
+from plcgen.base.diagnostics import DiagnosticError, Severity
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.cpu.testing import load_scl
+from plcgen.s7.scl.dialect import Dialect
 
 CASES = cases("errors")
 RIGHT = cases("right")

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 from projects import SPECS, generated_example
 
-from plcgen.cpu.folder import FolderParts, read_parts
 from plcgen.project.opening import open_spec
+from plcgen.s7.cpu.folder import FolderParts, read_parts
 
 MEGABYTE = 1 << 20
 

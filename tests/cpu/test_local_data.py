@@ -7,8 +7,8 @@ texts are empty; with optimised access the default of the type.
 import pytest
 from cpu.support import DIALECTS
 
-from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.program import Program
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.program import Program
 
 SOURCE = """FUNCTION_BLOCK "Test"
 {access}

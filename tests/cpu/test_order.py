@@ -3,7 +3,7 @@
 import pytest
 from cpu.support import load
 
-from plcgen.cpu.cpu import Cpu
+from plcgen.s7.cpu.cpu import Cpu
 
 ALSO = """DATA_BLOCK "Data"
 { S7_Optimized_Access := 'FALSE' }

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from plcgen.cpu.system.port import Port
-from plcgen.cpu.testing import Bench, load_scl
-from plcgen.protocols.ppi.sim import Bus as Line
-from plcgen.protocols.ppi.sim import Station
+from plcgen.ppi.sim import Bus as Line
+from plcgen.ppi.sim import Station
+from plcgen.s7.cpu.system.port import Port
+from plcgen.s7.cpu.testing import Bench, load_scl
 
 REQUEST = bytes.fromhex("681B1B6802006C32010000000000 0E00000401120A10020001000184000320 8B16")
 """Read VB100 of station 2 (seed document 004, table 1)."""

@@ -5,9 +5,9 @@ import itertools
 import pytest
 from cpu.support import cases, load
 
-from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.preemption import Interrupt
-from plcgen.cpu.testing import load_scl
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.preemption import Interrupt
+from plcgen.s7.cpu.testing import load_scl
 
 COUNTER = """DATA_BLOCK "Shared"
 { S7_Optimized_Access := 'FALSE' }

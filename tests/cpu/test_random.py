@@ -9,7 +9,7 @@ import re
 import pytest
 from cpu.support import load
 
-from plcgen.cpu.cpu import Cpu
+from plcgen.s7.cpu.cpu import Cpu
 
 SIZES = {"Int": 16, "DInt": 32, "UInt": 16, "SInt": 8}
 NAMES = {

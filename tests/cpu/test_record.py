@@ -3,15 +3,15 @@
 import pytest
 from cpu.support import load
 
-from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.program import Program
-from plcgen.cpu.system.bus import Periphery
-from plcgen.cpu.system.record import PLACES, RecordPlaces
-from plcgen.protocols.ds47.sim.behaviour import Behaviour
-from plcgen.protocols.ds47.sim.drive import Drive
-from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter
-from plcgen.protocols.ds47.wire import formats
-from plcgen.scl.dialect import Dialect
+from plcgen.ds47.sim.behaviour import Behaviour
+from plcgen.ds47.sim.drive import Drive
+from plcgen.ds47.sim.parameters import DriveObject, SimulatedParameter
+from plcgen.ds47.wire import formats
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.cpu.system.bus import Periphery
+from plcgen.s7.cpu.system.record import PLACES, RecordPlaces
+from plcgen.s7.scl.dialect import Dialect
 
 REQUEST = bytes.fromhex("01 01 01 01 10 01 00 01 00 00")
 ANSWER = bytes.fromhex("01 01 01 01 06 01 00 05")

@@ -4,11 +4,11 @@ import pytest
 from cpu.support import DIALECTS, cases
 from work import calls_of
 
-from plcgen.cpu.program import Program
-from plcgen.cpu.sharing import sharing
-from plcgen.cpu.sources import check_program
-from plcgen.diagnostics import Severity
-from plcgen.scl.dialect import Dialect
+from plcgen.base.diagnostics import Severity
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.cpu.sharing import sharing
+from plcgen.s7.cpu.sources import check_program
+from plcgen.s7.scl.dialect import Dialect
 
 CASES = cases("sharing")
 ACCESS = "{ S7_Optimized_Access := 'FALSE' }\n"

@@ -2,9 +2,9 @@
 
 import pytest
 
-from plcgen.cpu.program import Program
-from plcgen.cpu.sources import check_source
-from plcgen.scl.dialect import Dialect
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.cpu.sources import check_source
+from plcgen.s7.scl.dialect import Dialect
 
 UDT = 'TYPE "U"\nVERSION : 0.1\n   STRUCT\n{}\n   END_STRUCT;\nEND_TYPE\n'
 DB = 'DATA_BLOCK "D"\nVERSION : 0.1\n   STRUCT\n{}\n   END_STRUCT;\nBEGIN\n{}\nEND_DATA_BLOCK\n'

@@ -4,9 +4,9 @@ import pytest
 from cpu.support import load
 from cpu.test_record import REQUEST, bench, outputs
 
-from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.state import freeze, thaw
-from plcgen.cpu.testing import load_scl
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.state import freeze, thaw
+from plcgen.s7.cpu.testing import load_scl
 
 TICKS = {"dialect": "V5", "vars": "t : TIME; n : INT;", "code": "t := TIME_TCK(); n := n + 1;"}
 

@@ -9,7 +9,7 @@ accessed".
 import pytest
 from cpu.support import load
 
-from plcgen.cpu.cpu import Cpu
+from plcgen.s7.cpu.cpu import Cpu
 
 CALL = {"T15": "#t{m}(IN := #x, PT := T#30ms)", "T3": "#t(IN := #x, PT := T#30ms)", "V5": "t(IN := x, PT := T#30ms)"}
 SKIPPED = [

@@ -11,8 +11,8 @@ from chromium import NAMES, picture
 from projects import ROOT
 
 from plcgen import api
-from plcgen.display.view import PLAIN
-from plcgen.output.registry import output_format
+from plcgen.base.display.view import PLAIN
+from plcgen.report.registry import output_format
 
 PICTURES = {
     "review_faq.png": ("s7-300_6ra80_dp_tia", 1400, 3000),

@@ -49,7 +49,10 @@ ANY = re.compile("|".join(ODD), re.IGNORECASE)
 
 def written() -> Iterator[tuple[str, str]]:
     """Everything a reader of the project meets, with its place."""
-    pages = [*PAGES, *(ROOT / name for name in ("CHANGELOG.md", "examples/README.md", "plcgen/diagnostics/codes.toml"))]
+    pages = [
+        *PAGES,
+        *(ROOT / name for name in ("CHANGELOG.md", "examples/README.md", "plcgen/base/diagnostics/codes.toml")),
+    ]
     for page in pages:
         for number, line in enumerate(page.read_text("utf-8").splitlines(), 1):
             yield f"{page.relative_to(ROOT)}:{number}", line

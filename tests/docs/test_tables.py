@@ -11,7 +11,7 @@ from docs.pages import PAGES, ROOT
 import plcgen
 from plcgen import api
 from plcgen.cli.main import cli
-from plcgen.protocols.ds47.words import CHANNEL_STATES, STATUS_WORDS, VARIANTS
+from plcgen.ds47.words import CHANNEL_STATES, STATUS_WORDS, VARIANTS
 
 _TABLE = re.compile(r"((?:^\|.*\n)+)<!-- keys: (.*) -->", re.MULTILINE)
 _KEYS = re.compile(r"`(\w+)`")
@@ -19,7 +19,7 @@ _KEYS = re.compile(r"`(\w+)`")
 
 def test_the_page_of_the_soft_cpu_names_every_code() -> None:
     """docs/soft-cpu.md has a row for every code that the soft CPU reports."""
-    sources = " ".join(path.read_text("utf-8") for path in (ROOT / "plcgen" / "cpu").rglob("*.py"))
+    sources = " ".join(path.read_text("utf-8") for path in (ROOT / "plcgen" / "s7" / "cpu").rglob("*.py"))
     page = (ROOT / "docs" / "soft-cpu.md").read_text("utf-8")
     assert set(re.findall(r'"(PG8[23]\d)"', sources)) == set(re.findall(r"^\| (PG8[23]\d) ", page, re.MULTILINE))
 

@@ -14,11 +14,11 @@ import sys
 import time
 from pathlib import Path
 
-from plcgen.documents.environment import RenderedFile
-from plcgen.documents.manifest import digest
-from plcgen.documents.staging import recover
-from plcgen.documents.writing import compare_folder, write_folder
-from plcgen.sources.generated import JOURNAL
+from plcgen.build.environment import RenderedFile
+from plcgen.build.manifest import digest
+from plcgen.build.staging import recover
+from plcgen.build.writing import compare_folder, write_folder
+from plcgen.s7.read.generated import JOURNAL
 
 
 def state(number: int) -> list[RenderedFile]:

@@ -11,10 +11,10 @@ from projects import FAQ, MM4, ROOT, SPECS, TARGETS, every_type, generated_examp
 from xsd_support import validate_islands
 
 from plcgen import api
-from plcgen.s7.layout import layout_block
-from plcgen.s7.types import StructType
-from plcgen.simaticml.datatypes import declared_name
-from plcgen.sources.text import read_source
+from plcgen.s7.layout.layout import layout_block
+from plcgen.s7.read.text import read_source
+from plcgen.s7.types.data_types import StructType
+from plcgen.s7.xml.datatypes import declared_name
 
 
 def tree(folder: Path) -> dict[str, bytes]:

@@ -10,9 +10,9 @@ import pytest
 from lxml import etree
 
 from plcgen import api
-from plcgen.documents.phrases import translated
-from plcgen.protocols.ds47.devices import device_names, find_device
-from plcgen.resources import templates_dir
+from plcgen.base.resources import templates_dir
+from plcgen.build.phrases import translated
+from plcgen.ds47.devices import device_names, find_device
 
 SPEC = """
 plc: {{name: Ramps, family: s7-1500, toolchain: tia-v19, languages: [{languages}]}}

@@ -10,8 +10,8 @@ import pytest
 from projects import FAQ, ROOT
 
 from plcgen import api
-from plcgen.cpu.folder import read_tags
-from plcgen.input.hashes import has_digest, same_text, text_digest
+from plcgen.base.files.hashes import has_digest, same_text, text_digest
+from plcgen.s7.cpu.folder import read_tags
 
 V5 = ROOT / "specs" / "s7-300_mm440_dp.yaml"
 

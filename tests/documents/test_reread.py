@@ -10,15 +10,15 @@ import pytest
 from projects import ROOT
 
 from plcgen import api
-from plcgen.diagnostics import DiagnosticError
-from plcgen.documents import reread as module
-from plcgen.documents.engine import emit
-from plcgen.documents.environment import render_all, render_text, respell_template
-from plcgen.documents.holes import FILTERS, StrayTextError, guard
-from plcgen.documents.nouns import MemberRow, StartAssignment
-from plcgen.documents.reread import Promise, reread
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.build import reread as module
+from plcgen.build.engine import emit
+from plcgen.build.environment import render_all, render_text, respell_template
+from plcgen.build.holes import FILTERS, StrayTextError, guard
+from plcgen.build.nouns import MemberRow, StartAssignment
+from plcgen.build.reread import Promise, reread
 from plcgen.project.nouns import Project
-from plcgen.scl.classic import Spelling
+from plcgen.s7.scl.classic import Spelling
 
 V5, TIA_300, TIA_1500 = "s7-300_plant_v5", "s7-300_6ra80_dp_tia", "s7-1200_s120_recipe"
 TYPE = 'TYPE "t"\nVERSION : 0.1\n  STRUCT\n    speed : Real := 1.5;  // rpm\n  END_STRUCT;\nEND_TYPE\n'

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from plcgen.diagnostics import DiagnosticError
-from plcgen.documents.environment import RenderedFile
-from plcgen.documents.manifest import digest
-from plcgen.documents.staging import STAGE, recover
-from plcgen.documents.writing import add_files, write_folder
-from plcgen.interrupts import ENDING, unwinding
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.base.interrupts import ENDING, unwinding
+from plcgen.build.environment import RenderedFile
+from plcgen.build.manifest import digest
+from plcgen.build.staging import STAGE, recover
+from plcgen.build.writing import add_files, write_folder
 
 Moment = Callable[[str, Path], None]
 """Called before an operation on the disk, with its name and the file that it moves or removes."""

@@ -9,14 +9,14 @@ import jinja2
 import pytest
 from projects import ROOT, SPECS, every_type, generated_example
 
-from plcgen.diagnostics import Report
-from plcgen.documents.document import Document
-from plcgen.documents.engine import emit
-from plcgen.documents.environment import environment, expand_marks, render_text, respell_template
+from plcgen.base.diagnostics import Report
+from plcgen.base.resources import templates_dir
+from plcgen.build.document import Document
+from plcgen.build.engine import emit
+from plcgen.build.environment import environment, expand_marks, render_text, respell_template
 from plcgen.project.loading import parse_spec
 from plcgen.project.resolve import resolve
-from plcgen.resources import templates_dir
-from plcgen.scl.classic import Spelling, respell
+from plcgen.s7.scl.classic import Spelling, respell
 
 TEXTS = {path.stem: path.read_text("utf-8") for path in SPECS} | {
     f"every type, {target}": every_type(target) for target in ("v5", "t3", "old")

@@ -13,14 +13,15 @@ from pathlib import Path
 import pytest
 from projects import FAQ, ROOT
 
-from plcgen import api, replacing
-from plcgen.diagnostics import DiagnosticError
-from plcgen.documents import writing as write
-from plcgen.documents.environment import RenderedFile
-from plcgen.documents.folder_lock import exclusive
-from plcgen.documents.manifest import digest
-from plcgen.documents.staging import STAGE, recover
-from plcgen.documents.writing import JOURNAL, compare_folder, write_folder
+from plcgen import api
+from plcgen.base import replacing
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.build import writing as write
+from plcgen.build.environment import RenderedFile
+from plcgen.build.folder_lock import exclusive
+from plcgen.build.manifest import digest
+from plcgen.build.staging import STAGE, recover
+from plcgen.build.writing import JOURNAL, compare_folder, write_folder
 
 
 def files(**content: str) -> list[RenderedFile]:

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.protocols.ds47.device import Device, Parameter
-from plcgen.protocols.ds47.devices import device_names, find_device
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ds47.sheet import review_sheet
+from plcgen.ds47.device import Device, Parameter
+from plcgen.ds47.devices import device_names, find_device
+from plcgen.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.sheet import review_sheet
 
 HEAD = """\
 title: Harmless

@@ -3,9 +3,9 @@
 import pytest
 
 from plcgen import api
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ds47.wire.bico import parse_bico, read_bico
-from plcgen.protocols.ds47.wire.dissect import dissect_request
+from plcgen.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.wire.bico import parse_bico, read_bico
+from plcgen.ds47.wire.dissect import dissect_request
 
 
 @pytest.mark.parametrize(

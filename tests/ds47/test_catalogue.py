@@ -12,13 +12,13 @@ import yaml
 from click.testing import CliRunner
 
 from plcgen import api
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.base.resources import specs_dir
 from plcgen.cli.main import cli
-from plcgen.diagnostics import DiagnosticError
-from plcgen.protocols.ds47.catalogue import pages
-from plcgen.protocols.ds47.device import Parameter
-from plcgen.protocols.ds47.devices import device_names, find_device
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.resources import specs_dir
+from plcgen.ds47.catalogue import pages
+from plcgen.ds47.device import Parameter
+from plcgen.ds47.devices import device_names, find_device
+from plcgen.ds47.plan.nouns import DrivePlan
 
 PAGE = (Path(__file__).parents[2] / "docs" / "devices.md").read_text("utf-8")
 ACME = """\

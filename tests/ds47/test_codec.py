@@ -3,15 +3,9 @@
 import pytest
 from ds47.vectors import REQUESTS, RESPONSES, octets, request, response
 
-from plcgen.protocols.ds47.wire import codec, formats, model
-from plcgen.protocols.ds47.wire.codec import (
-    TelegramError,
-    decode_request,
-    decode_response,
-    encode_request,
-    encode_response,
-)
-from plcgen.protocols.ds47.wire.model import ErrorBlock, ParameterAddress, Request, Response, ValueBlock
+from plcgen.ds47.wire import codec, formats, model
+from plcgen.ds47.wire.codec import TelegramError, decode_request, decode_response, encode_request, encode_response
+from plcgen.ds47.wire.model import ErrorBlock, ParameterAddress, Request, Response, ValueBlock
 
 REAL = formats.by_name("FloatingPoint")
 

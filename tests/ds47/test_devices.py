@@ -12,11 +12,12 @@ import pytest
 import yaml
 
 from plcgen import api
-from plcgen.diagnostics import DiagnosticError, PluginError
-from plcgen.protocols.ds47 import devices
-from plcgen.protocols.ds47.device import Device, Parameter
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ds47.profile import (
+from plcgen.base.diagnostics import DiagnosticError, PluginError
+from plcgen.base.resources import specs_dir
+from plcgen.ds47 import devices
+from plcgen.ds47.device import Device, Parameter
+from plcgen.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.profile import (
     Answers,
     DeviceProfile,
     DriveObjects,
@@ -26,7 +27,6 @@ from plcgen.protocols.ds47.profile import (
     RecordIndexes,
     ScalarElements,
 )
-from plcgen.resources import specs_dir
 
 PAGE = (Path(__file__).parents[2] / "docs" / "devices.md").read_text("utf-8")
 

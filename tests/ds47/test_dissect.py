@@ -3,7 +3,7 @@
 import pytest
 from ds47.vectors import REQUESTS, RESPONSES, octets
 
-from plcgen.protocols.ds47.wire.dissect import dissect_request, dissect_response, looks_like
+from plcgen.ds47.wire.dissect import dissect_request, dissect_response, looks_like
 
 
 def _rows(fields):

@@ -11,9 +11,9 @@ from yaml_files import read_yaml
 
 from evidence.effects import FAMILIES, Row, classify, ranges, read_list, report, rules, table
 from plcgen import api
-from plcgen.protocols.ds47 import effects, guards
-from plcgen.protocols.ds47.devices import device_names, find_device
-from plcgen.protocols.ds47.kinds.registry import kinds
+from plcgen.ds47 import effects, guards
+from plcgen.ds47.devices import device_names, find_device
+from plcgen.ds47.kinds.registry import kinds
 
 HERE = Path(__file__).parent
 DOCUMENTS: list[dict[str, Any]] = read_yaml((HERE / "effects.yaml").read_text("utf-8"))

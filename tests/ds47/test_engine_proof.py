@@ -10,24 +10,24 @@ from pathlib import Path
 import pytest
 from ds47 import engine_folders
 
-from plcgen.cpu.linkage import Probe
-from plcgen.diagnostics import DiagnosticError
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.ds47.proof.engine.__main__ import dialect_of
+from plcgen.ds47.proof.engine.argued import ARGUED, argued
+from plcgen.ds47.proof.engine.checks import GROUPS, EngineWork, coverage_checks, engine_checks, run_faults
+from plcgen.ds47.proof.engine.errands import MATRIX, READ_ONE, READ_SPLIT, WRITE_ONE, WRITE_SPLIT
+from plcgen.ds47.proof.engine.field import JobField
+from plcgen.ds47.proof.engine.interrupts import interrupts
+from plcgen.ds47.proof.engine.known import proven, prover_hash
+from plcgen.ds47.proof.engine.sources import DriveEngine
+from plcgen.ds47.proof.engine.verdict import FOREIGN, judge
+from plcgen.ds47.proof.words import TRANSITIONS
 from plcgen.proof.checks import Outcome
 from plcgen.proof.scenario import ScenarioError
 from plcgen.proof.sharing import Sharing
-from plcgen.protocols.ds47.proof.engine.__main__ import dialect_of
-from plcgen.protocols.ds47.proof.engine.argued import ARGUED, argued
-from plcgen.protocols.ds47.proof.engine.checks import GROUPS, EngineWork, coverage_checks, engine_checks, run_faults
-from plcgen.protocols.ds47.proof.engine.errands import MATRIX, READ_ONE, READ_SPLIT, WRITE_ONE, WRITE_SPLIT
-from plcgen.protocols.ds47.proof.engine.field import JobField
-from plcgen.protocols.ds47.proof.engine.interrupts import interrupts
-from plcgen.protocols.ds47.proof.engine.known import proven, prover_hash
-from plcgen.protocols.ds47.proof.engine.sources import DriveEngine
-from plcgen.protocols.ds47.proof.engine.verdict import FOREIGN, judge
-from plcgen.protocols.ds47.proof.words import TRANSITIONS
-from plcgen.scl.dialect import Dialect
-from plcgen.scl.logic import DECIDES
-from plcgen.sources.generated import generated_sources
+from plcgen.s7.cpu.linkage import Probe
+from plcgen.s7.read.generated import generated_sources
+from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.scl.logic import DECIDES
 
 THREE = READ_SPLIT.letters[0]
 REQUEST = bytes.fromhex("07 01 02 03") + bytes(18)
@@ -116,7 +116,7 @@ def test_a_known_engine_is_not_run_here(
     for prover, whose in ((here, "the one of this copy"), ("f" * 64, f"that of this copy is {here[:12]}")):
         entry = {"release": "9.9.9", "scenarios": 1234, "prover": prover}
         known = {engine.hash: entry}
-        monkeypatch.setattr("plcgen.protocols.ds47.proof.engine.checks.proven", lambda known=known: known)
+        monkeypatch.setattr("plcgen.ds47.proof.engine.checks.proven", lambda known=known: known)
         (check,) = engine_checks(engine)
         assert check.outcome is Outcome.NOT_RUN
         proven_by = check.verdict.removeprefix(f"engine {engine.hash[:12]}: proven with release 9.9.9 by ")
@@ -125,14 +125,14 @@ def test_a_known_engine_is_not_run_here(
 
 def test_the_prover_is_known_by_its_code(tmp_path: Path) -> None:
     """Every line of the soft CPU, the simulated drive and the scenarios counts; line ends and other rooms do not."""
-    for name in ("cpu/cpu.py", "protocols/ds47/sim/drive.py", "cli/main.py"):
+    for name in ("s7/cpu/cpu.py", "ds47/sim/drive.py", "cli/main.py"):
         (tmp_path / name).parent.mkdir(parents=True)
         (tmp_path / name).write_bytes(b"one\ntwo\n")
     first = prover_hash(tmp_path)
     for name, data, same in (
-        ("cpu/cpu.py", b"one\r\ntwo\r\n", True),
+        ("s7/cpu/cpu.py", b"one\r\ntwo\r\n", True),
         ("cli/main.py", b"three\n", True),
-        ("protocols/ds47/sim/drive.py", b"one\nthree\n", False),
+        ("ds47/sim/drive.py", b"one\nthree\n", False),
     ):
         (tmp_path / name).write_bytes(data)
         prover_hash.cache_clear()

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
+from plcgen.ds47.kinds.registry import SHIPPED
+from plcgen.ds47.plan.nouns import DrivePlan
 from plcgen.project.opening import open_spec
-from plcgen.protocols.ds47.kinds.registry import SHIPPED
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
 
 SPEC = """
 plc: {{name: Plant, family: {family}, toolchain: {toolchain}}}

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.cpu.testing import load_scl
-from plcgen.protocols.ds47.sim.load import load_drive
+from plcgen.ds47.sim.load import load_drive
+from plcgen.s7.cpu.testing import load_scl
 
 SPEC = """plc: {name: Pump station, family: s7-1500, toolchain: tia-v19}
 drives:

@@ -5,9 +5,9 @@ import math
 import pytest
 from ds47.vectors import tables
 
-from plcgen.protocols.ds47.wire import formats
-from plcgen.protocols.ds47.wire.formats import FormatValueError, by_code, by_name, find, pack_values, unpack_values
-from plcgen.protocols.ds47.wire.model import ValueBlock
+from plcgen.ds47.wire import formats
+from plcgen.ds47.wire.formats import FormatValueError, by_code, by_name, find, pack_values, unpack_values
+from plcgen.ds47.wire.model import ValueBlock
 
 ROWS = tables()["formats"]["values"]
 

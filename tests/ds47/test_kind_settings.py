@@ -9,7 +9,7 @@ import jsonschema
 import pytest
 
 from plcgen import api
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.plan.nouns import DrivePlan
 
 HEAD = "plc: {{name: a, family: s7-1500, toolchain: tia-v19}}\ndrives: {{d: {{device: {device}, hardware_id: 270}}}}\n"
 G120, G120C, S120 = "sinamics-g120", "sinamics-g120c", "sinamics-s120"

@@ -8,14 +8,14 @@ import jsonschema
 import pytest
 
 from plcgen import api
-from plcgen.diagnostics import PluginError, Severity
-from plcgen.protocols.ds47.kinds.registry import SHIPPED, kinds
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
+from plcgen.base.diagnostics import PluginError, Severity
+from plcgen.ds47.kinds.registry import SHIPPED, kinds
+from plcgen.ds47.plan.nouns import DrivePlan
 
 TOY = """
 from typing import Literal
 
-from plcgen.protocols.ds47.kinds.kind import JobKind, ReadItem
+from plcgen.ds47.kinds.kind import JobKind, ReadItem
 
 KIND = JobKind(
     key="identify",
@@ -88,7 +88,7 @@ def test_an_editor_knows_the_kind() -> None:
 LIKE_ACTIVATE = """
 from dataclasses import replace
 
-from plcgen.protocols.ds47.kinds.activate import ACTIVATE
+from plcgen.ds47.kinds.activate import ACTIVATE
 
 KIND = replace(ACTIVATE, key="take_part")
 """

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from plcgen.display.workbook import workbook_bytes
-from plcgen.input.workbook import Numeral
-from plcgen.protocols.ds47.catalogue.lists import ParameterList, load_list, parse_list
-from plcgen.protocols.ds47.catalogue.merging import merge_list
-from plcgen.protocols.ds47.catalogue.numbers import decimal_sign, number
-from plcgen.protocols.ds47.devices import find_device
+from plcgen.base.display.workbook import workbook_bytes
+from plcgen.base.files.workbook import Numeral
+from plcgen.ds47.catalogue.lists import ParameterList, load_list, parse_list
+from plcgen.ds47.catalogue.merging import merge_list
+from plcgen.ds47.catalogue.numbers import decimal_sign, number
+from plcgen.ds47.devices import find_device
 
 HEAD = "Parameter;Parameter text;Online value;Unit;Minimum;Maximum\n"
 

@@ -13,12 +13,12 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.base.display.workbook import workbook_bytes
 from plcgen.cli.main import cli
-from plcgen.diagnostics import DiagnosticError
-from plcgen.display.workbook import workbook_bytes
-from plcgen.protocols.ds47.catalogue.lists import ListedParameter, load_list, parse_list
-from plcgen.protocols.ds47.catalogue.merging import Merged, merge_list, profile_text
-from plcgen.protocols.ds47.devices import device_names, find_device, read_profile
+from plcgen.ds47.catalogue.lists import ListedParameter, load_list, parse_list
+from plcgen.ds47.catalogue.merging import Merged, merge_list, profile_text
+from plcgen.ds47.devices import device_names, find_device, read_profile
 
 STARTER = """\
 Expert list Pump

@@ -5,11 +5,11 @@ import sys
 
 import pytest
 
-from plcgen.protocols.ds47.explanation import error_page
-from plcgen.protocols.ds47.wire.description import ARRAY, ELEMENTS, READ_ONLY, Description
-from plcgen.protocols.ds47.wire.errors import error_text, known_numbers
-from plcgen.protocols.ds47.wire.formats import FormatValueError
-from plcgen.protocols.ds47.wire.status import Retry, explain_status, explain_word, status_of
+from plcgen.ds47.explanation import error_page
+from plcgen.ds47.wire.description import ARRAY, ELEMENTS, READ_ONLY, Description
+from plcgen.ds47.wire.errors import error_text, known_numbers
+from plcgen.ds47.wire.formats import FormatValueError
+from plcgen.ds47.wire.status import Retry, explain_status, explain_word, status_of
 
 
 def test_error_numbers_are_complete():
@@ -161,7 +161,7 @@ def test_import_is_lazy():
     """Importing every module reads no table and does not import tomllib's parser results."""
     code = (
         "import sys;"
-        "from plcgen.protocols.ds47.wire import codec, dissect, errors as e, status as s;"
+        "from plcgen.ds47.wire import codec, dissect, errors as e, status as s;"
         "assert e._sinamics.cache_info().currsize == 0 == s._tables.cache_info().currsize;"
         "assert not {'yaml', 'pydantic', 'jinja2', 'lxml', 'click'} & set(sys.modules)"
     )

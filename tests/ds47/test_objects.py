@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.protocols.ds47.catalogue.merging import profile_text
-from plcgen.protocols.ds47.devices import find_device, read_profile
-from plcgen.protocols.ds47.objects import GROUPS, singular, spoken
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ds47.sim.bench import build_drive
+from plcgen.ds47.catalogue.merging import profile_text
+from plcgen.ds47.devices import find_device, read_profile
+from plcgen.ds47.objects import GROUPS, singular, spoken
+from plcgen.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.sim.bench import build_drive
 
 LISTED = {
     # lists of CU, VECTOR and A_INF: rows p0009, p0105, r0722, p0971, p0977, p1120, p2900, p3100, p3981

@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.base.display.workbook import workbook_bytes
 from plcgen.cli.main import cli, run
-from plcgen.diagnostics import DiagnosticError
-from plcgen.display.workbook import workbook_bytes
-from plcgen.protocols.ds47.catalogue.lists import load_sheets
-from plcgen.protocols.ds47.catalogue.own_list import OwnList, compare_own_list, read_own_list
-from plcgen.protocols.ds47.devices import find_device, read_profile
+from plcgen.ds47.catalogue.lists import load_sheets
+from plcgen.ds47.catalogue.own_list import OwnList, compare_own_list, read_own_list
+from plcgen.ds47.devices import find_device, read_profile
 
 WATCH = """\
 Name;Address;Display format;Monitor value;Modify value

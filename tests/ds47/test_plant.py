@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.inspection.memory.estimate import estimate
-from plcgen.scl.dialect import Dialect
-from plcgen.sources.text import decode_source
+from plcgen.s7.memory.estimate import estimate
+from plcgen.s7.read.text import decode_source
+from plcgen.s7.scl.dialect import Dialect
 
 ROOT = Path(__file__).parents[2]
 ENGINE = {"DriveChannel", "DriveGate", "DriveTicket"}

@@ -6,17 +6,11 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.protocols.ds47.wire import formats
-from plcgen.protocols.ds47.wire.codec import (
-    TelegramError,
-    decode_request,
-    decode_response,
-    encode_request,
-    encode_response,
-)
-from plcgen.protocols.ds47.wire.dissect import dissect_request, dissect_response, looks_like
-from plcgen.protocols.ds47.wire.formats import FormatKind
-from plcgen.protocols.ds47.wire.model import ErrorBlock, ParameterAddress, Request, Response, ValueBlock, ZeroBlock
+from plcgen.ds47.wire import formats
+from plcgen.ds47.wire.codec import TelegramError, decode_request, decode_response, encode_request, encode_response
+from plcgen.ds47.wire.dissect import dissect_request, dissect_response, looks_like
+from plcgen.ds47.wire.formats import FormatKind
+from plcgen.ds47.wire.model import ErrorBlock, ParameterAddress, Request, Response, ValueBlock, ZeroBlock
 
 WRITABLE = [item for item in formats.FORMATS if item.writable]
 byte = st.integers(0, 255)

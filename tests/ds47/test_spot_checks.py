@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 import yaml
 
-from plcgen.protocols.ds47.catalogue import pages
-from plcgen.protocols.ds47.device import Parameter
-from plcgen.protocols.ds47.devices import find_device
+from plcgen.ds47.catalogue import pages
+from plcgen.ds47.device import Parameter
+from plcgen.ds47.devices import find_device
 
 CHECKS: list[dict[str, Any]] = yaml.safe_load(Path(__file__).with_name("spot_checks.yaml").read_text("utf-8"))
 FOUND = [check for check in CHECKS if check["result"] == "found"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from plcgen import api
-from plcgen.protocols.ds47.wire.status import Retry, explain_codes, explain_status, explain_word
+from plcgen.ds47.wire.status import Retry, explain_codes, explain_status, explain_word
 
 
 @pytest.mark.parametrize(

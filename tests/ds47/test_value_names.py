@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.protocols.ds47.catalogue.merging import profile_text
-from plcgen.protocols.ds47.catalogue.pages import parameter_page
-from plcgen.protocols.ds47.device import Parameter
-from plcgen.protocols.ds47.devices import device_names, find_device, read_profile
-from plcgen.protocols.ds47.live.parameters import element_value
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.catalogue.merging import profile_text
+from plcgen.ds47.catalogue.pages import parameter_page
+from plcgen.ds47.device import Parameter
+from plcgen.ds47.devices import device_names, find_device, read_profile
+from plcgen.ds47.live.parameters import element_value
+from plcgen.ds47.plan.nouns import DrivePlan
 
 SPEC = """\
 plc: {name: a, family: s7-300, toolchain: tia-v16}

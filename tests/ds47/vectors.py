@@ -6,7 +6,7 @@ from typing import Any
 
 from yaml_files import read_yaml
 
-from plcgen.protocols.ds47.wire.model import ErrorBlock, ParameterAddress, Request, Response, ValueBlock, ZeroBlock
+from plcgen.ds47.wire.model import ErrorBlock, ParameterAddress, Request, Response, ValueBlock, ZeroBlock
 
 PATH = Path(__file__).parents[1] / "vectors" / "ds47.yaml"
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.diagnostics import Diagnostic, Severity, Span
-from plcgen.input.allowances import allowances, settled
+from plcgen.base.diagnostics import Diagnostic, Severity, Span
+from plcgen.project.allowances import allowances, settled
 
 SPEC = """\
 plc: {name: a, family: s7-300, toolchain: tia-v16}

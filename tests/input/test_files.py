@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from plcgen.input.files import read_bounded
+from plcgen.base.files.files import read_bounded
 
 
 def test_a_file_is_read_as_far_as_its_bound(tmp_path: Path) -> None:

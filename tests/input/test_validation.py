@@ -7,8 +7,8 @@ from typing import Annotated, Any
 import pytest
 from pydantic import AfterValidator, BaseModel, Field, RootModel, field_validator
 
-from plcgen.diagnostics import DiagnosticError, Report
-from plcgen.input.validation import (
+from plcgen.base.diagnostics import DiagnosticError, Report
+from plcgen.base.files.validation import (
     FileShape,
     Octets,
     Problems,

@@ -7,9 +7,9 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.diagnostics import DiagnosticError, Report
-from plcgen.input.brackets import hide_indexes, show_indexes
-from plcgen.input.yaml import MAX_DEPTH, load_yaml, parse_yaml, resolve_plain
+from plcgen.base.diagnostics import DiagnosticError, Report
+from plcgen.base.files.brackets import hide_indexes, show_indexes
+from plcgen.base.files.yaml import MAX_DEPTH, load_yaml, parse_yaml, resolve_plain
 
 
 def codes(text: str) -> list[tuple[str, int, int]]:

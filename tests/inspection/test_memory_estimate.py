@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from plcgen.inspection.memory.estimate import Estimate, estimate
-from plcgen.scl.dialect import Dialect
-from plcgen.sources.blocks import read_texts
+from plcgen.s7.memory.estimate import Estimate, estimate
+from plcgen.s7.read.blocks import read_texts
+from plcgen.s7.scl.dialect import Dialect
 
 HEADER = 36
 OK_FLAG = 18  # SET 2, SAVE 2, = L 4 in front; CLR 2, A L 4, SAVE 2, BE 2 behind

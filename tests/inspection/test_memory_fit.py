@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.diagnostics import Span
-from plcgen.inspection.memory.estimate import BlockSize, Estimate
-from plcgen.inspection.memory.fit import ProgramSize, kilobytes
+from plcgen.base.diagnostics import Span
 from plcgen.project.cpus import cpu
+from plcgen.project.fit import ProgramSize, kilobytes
+from plcgen.s7.memory.estimate import BlockSize, Estimate
 
 KB = 1024
 PLACE = Span("job.yaml", 1, 1, 1, 2)

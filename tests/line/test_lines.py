@@ -8,11 +8,11 @@ from collections.abc import Callable
 
 import pytest
 
-from plcgen.line import LineError, LineLostError
-from plcgen.line.endpoint import Clock, EndpointLine
-from plcgen.line.opening import open_line
-from plcgen.line.pty import PtyLine
-from plcgen.line.tcp import TcpLine, TcpServer, parse_endpoint
+from plcgen.base.line import LineError, LineLostError
+from plcgen.base.line.endpoint import Clock, EndpointLine
+from plcgen.base.line.opening import open_line
+from plcgen.base.line.pty import PtyLine
+from plcgen.base.line.tcp import TcpLine, TcpServer, parse_endpoint
 
 SOON = 5.0
 """Seconds after which a test gives up; nothing here takes that long."""

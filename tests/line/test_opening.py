@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from plcgen.line.model import LineError
-from plcgen.line.opening import open_line
-from plcgen.protocols.ppi.client import Client
-from plcgen.protocols.ppi.sim import Bus, Station
+from plcgen.base.line.model import LineError
+from plcgen.base.line.opening import open_line
+from plcgen.ppi.client import Client
+from plcgen.ppi.sim import Bus, Station
 
 
 @pytest.mark.parametrize(

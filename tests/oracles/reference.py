@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from plcgen.protocols.ds47.wire.formats import Format
+from plcgen.ds47.wire.formats import Format
 
 HERE = Path(__file__).parent / "reference_drive"
 SOURCE = "pdrv_parmanager_ac4.c"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from plcgen.protocols.ds47.wire.errors import error_text
+from plcgen.ds47.wire.errors import error_text
 
 WIRESHARK = {
     0x00: "parameter number",  # Disallowed parameter number

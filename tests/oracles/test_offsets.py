@@ -14,7 +14,7 @@ from plcgen.project.opening import open_spec
 from plcgen.proof import second_layout
 from plcgen.proof.checks import Outcome
 from plcgen.proof.folder import Folder, read_folder
-from plcgen.s7.layout import Layout
+from plcgen.s7.layout.layout import Layout
 
 RULES = {
     # 1 bit, next byte, even byte: 0.0, 0.1, 1.0, 2.0, 4.0 and an even length

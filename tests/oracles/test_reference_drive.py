@@ -10,18 +10,18 @@ from oracles.reference import ReferenceDrive, build
 from projects import TARGETS
 
 from plcgen import api
-from plcgen.cpu.cpu import Cpu
+from plcgen.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.proof.rig import JobRig
+from plcgen.ds47.proof.scenario import Contents
+from plcgen.ds47.proof.words import DONE
+from plcgen.ds47.sim.behaviour import Behaviour
+from plcgen.ds47.sim.bench import build_drive
+from plcgen.ds47.sim.drive import Drive
+from plcgen.ds47.sim.parameters import DriveObject, SimulatedParameter, ValueLimits
+from plcgen.ds47.wire.formats import FORMATS, Format, FormatKind, Value
 from plcgen.project.opening import open_spec
 from plcgen.proof.rig import ProgramBench
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ds47.proof.rig import JobRig
-from plcgen.protocols.ds47.proof.scenario import Contents
-from plcgen.protocols.ds47.proof.words import DONE
-from plcgen.protocols.ds47.sim.behaviour import Behaviour
-from plcgen.protocols.ds47.sim.bench import build_drive
-from plcgen.protocols.ds47.sim.drive import Drive
-from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter, ValueLimits
-from plcgen.protocols.ds47.wire.formats import FORMATS, Format, FormatKind, Value
+from plcgen.s7.cpu.cpu import Cpu
 
 BY_NAME = {fmt.name: fmt for fmt in FORMATS}
 NOT_THERE = {"BinaryDate", "TimeDifference"}

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
+from plcgen.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.proof import published, second
 from plcgen.oracles import documents
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.proof.versions import check_versions
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ds47.proof import published, second
 
 SPEC = """
 plc: {name: a, family: s7-1500, toolchain: tia-v19}

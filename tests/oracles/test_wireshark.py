@@ -8,25 +8,18 @@ import pytest
 from projects import FAQ, SPECS, generated_example
 
 from plcgen import api
+from plcgen.base.programs import find_program
+from plcgen.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.proof import dissected
+from plcgen.ds47.proof.dissected import FILL, TEXT, compare_dissection, dissected_checks, request_facts, response_facts
+from plcgen.ds47.wire import codec, formats
+from plcgen.ds47.wire.model import Response, ValueBlock
 from plcgen.oracles import wireshark
 from plcgen.oracles.documents import published
 from plcgen.oracles.wireshark import WireRecord
-from plcgen.programs import find_program
 from plcgen.project.opening import open_spec
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import read_folder
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ds47.proof import dissected
-from plcgen.protocols.ds47.proof.dissected import (
-    FILL,
-    TEXT,
-    compare_dissection,
-    dissected_checks,
-    request_facts,
-    response_facts,
-)
-from plcgen.protocols.ds47.wire import codec, formats
-from plcgen.protocols.ds47.wire.model import Response, ValueBlock
 
 PROGRAM = find_program("tshark") or ""
 needs_tshark = pytest.mark.skipif(not PROGRAM, reason="tshark is not installed (apt install tshark)")

@@ -1,6 +1,6 @@
 """Hand-made results for the report tests."""
 
-from plcgen.diagnostics import Diagnostic, Note, Severity, Span
+from plcgen.base.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.proof.checks import Check, CheckGroup, Outcome, Verification
 
 SOURCE = "plc:\n\tname: 加工站 x\n  ramp: 700.0\nend\n"

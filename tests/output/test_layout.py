@@ -14,14 +14,14 @@ from lxml import etree
 from projects import FAQ
 
 from plcgen import api
-from plcgen.display.view import PLAIN, View
-from plcgen.inspection.layout.declared import block_tables
-from plcgen.inspection.layout.grid import cell_title, grid
-from plcgen.inspection.layout.planned import project_tables
-from plcgen.inspection.layout.tables import LayoutResult, letter, size_text
-from plcgen.output.registry import output_format
-from plcgen.s7.evidence import RULES
-from plcgen.sources.text import parse_source
+from plcgen.base.display.view import PLAIN, View
+from plcgen.report.diff.planned_layout import project_tables
+from plcgen.report.registry import output_format
+from plcgen.s7.layout.evidence import RULES
+from plcgen.s7.read.text import parse_source
+from plcgen.s7.tables.declared import block_tables
+from plcgen.s7.tables.grid import cell_title, grid
+from plcgen.s7.tables.tables import LayoutResult, letter, size_text
 
 HEAD = "DATA_BLOCK DB 3\n{ S7_Optimized_Access := 'FALSE' }\nSTRUCT\n"
 TAIL = "END_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n"

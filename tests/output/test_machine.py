@@ -8,12 +8,12 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from plcgen import __version__
-from plcgen.diagnostics import Diagnostic, Severity, Span
-from plcgen.display.results import Findings
-from plcgen.display.table import csv_table, markdown_table
-from plcgen.display.view import PLAIN
-from plcgen.output.formats.sarif import uri
-from plcgen.output.registry import output_format
+from plcgen.base.diagnostics import Diagnostic, Severity, Span
+from plcgen.base.display.results import Findings
+from plcgen.base.display.table import csv_table, markdown_table
+from plcgen.base.display.view import PLAIN
+from plcgen.report.formats.sarif import uri
+from plcgen.report.registry import output_format
 
 _spec = importlib.util.spec_from_file_location("results", Path(__file__).with_name("results.py"))
 results = importlib.util.module_from_spec(_spec)

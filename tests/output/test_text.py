@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from plcgen.diagnostics import Diagnostic, Severity, Span
-from plcgen.display import cells
-from plcgen.display.cells import clean, cut, expand, width, window, wrap
-from plcgen.display.excerpts import diagnostic_text, diagnostics_text, summary_text
-from plcgen.display.view import PLAIN, View
-from plcgen.output.verification import verification_text
+from plcgen.base.diagnostics import Diagnostic, Severity, Span
+from plcgen.base.display import cells
+from plcgen.base.display.cells import clean, cut, expand, width, window, wrap
+from plcgen.base.display.excerpts import diagnostic_text, diagnostics_text, summary_text
+from plcgen.base.display.view import PLAIN, View
+from plcgen.report.verification import verification_text
 
 _spec = importlib.util.spec_from_file_location("results", Path(__file__).with_name("results.py"))
 results = importlib.util.module_from_spec(_spec)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from plcgen.display.view import PLAIN, View
-from plcgen.protocols.ppi.sim import Bus, Station, Traffic
-from plcgen.protocols.ppi.sim.cpu import Switch
-from plcgen.protocols.ppi.traffic import TrafficText
-from plcgen.protocols.ppi.wire.areas import Area
-from plcgen.protocols.ppi.wire.model import (
+from plcgen.base.display.view import PLAIN, View
+from plcgen.ppi.sim import Bus, Station, Traffic
+from plcgen.ppi.sim.cpu import Switch
+from plcgen.ppi.traffic import TrafficText
+from plcgen.ppi.wire.areas import Area
+from plcgen.ppi.wire.model import (
     Item,
     ItemWrite,
     ReadRequest,
@@ -19,7 +19,7 @@ from plcgen.protocols.ppi.wire.model import (
     StopRequest,
     WriteRequest,
 )
-from plcgen.protocols.ppi.wire.telegram import encode_poll, encode_request
+from plcgen.ppi.wire.telegram import encode_poll, encode_request
 
 
 def exchange(pdu: Request, *faults: str, station: Station | None = None) -> list[Traffic]:

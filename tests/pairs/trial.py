@@ -11,7 +11,7 @@ import yaml
 from xsd_support import PROJECT, VERSIONS, validate_islands
 
 from plcgen import api
-from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.base.diagnostics import Diagnostic, Severity
 
 Effort = Literal["none", "quick"]
 

@@ -2,9 +2,9 @@
 
 from hypothesis import strategies as st
 
-from plcgen.protocols.ppi.wire import model
-from plcgen.protocols.ppi.wire.areas import ELEMENT_SIZES, Area, SizeCode, TransportSize
-from plcgen.protocols.ppi.wire.model import Item
+from plcgen.ppi.wire import model
+from plcgen.ppi.wire.areas import ELEMENT_SIZES, Area, SizeCode, TransportSize
+from plcgen.ppi.wire.model import Item
 
 byte = st.integers(0, 255)
 reference = st.integers(0, 0xFFFF)
@@ -108,7 +108,7 @@ def frames(draw):
         return model.FixedFrame(destination, source, function)
     if kind == "data":
         return model.DataFrame(destination, source, function, draw(st.binary(min_size=8, max_size=8)))
-    from plcgen.protocols.ppi.wire.pdu import encode_pdu
+    from plcgen.ppi.wire.pdu import encode_pdu
 
     return model.VariableFrame(destination, source, function, encode_pdu(draw(pdus), experimental=True))
 

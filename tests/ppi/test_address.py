@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from ppi.strategies import bits, elements, memory
 
-from plcgen.protocols.ppi.wire.address import PpiAddressError, address_text, parse_item
-from plcgen.protocols.ppi.wire.areas import Area, TransportSize
-from plcgen.protocols.ppi.wire.model import Item
+from plcgen.ppi.wire.address import PpiAddressError, address_text, parse_item
+from plcgen.ppi.wire.areas import Area, TransportSize
+from plcgen.ppi.wire.model import Item
 
 BYTE, WORD, DWORD = TransportSize.BYTE, TransportSize.WORD, TransportSize.DWORD
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from plcgen.diagnostics import Report
+from plcgen.base.diagnostics import Report
 from plcgen.project.loading import load_spec
 from plcgen.project.resolve import resolve
 from plcgen.proof.ledger import Assumption, Grade

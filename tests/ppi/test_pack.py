@@ -6,13 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plcgen.protocols.ppi.wire.address import address_text, parse_item
-from plcgen.protocols.ppi.wire.areas import Area, ReturnCode, TransportSize
-from plcgen.protocols.ppi.wire.errors import PpiError
-from plcgen.protocols.ppi.wire.load import READING, WRITING, PackingRules
-from plcgen.protocols.ppi.wire.model import Item, ItemResult, ItemWrite, ReadReply, WriteReply
-from plcgen.protocols.ppi.wire.pack import pack_read, pack_write
-from plcgen.protocols.ppi.wire.pdu import decode_pdu, encode_pdu
+from plcgen.ppi.wire.address import address_text, parse_item
+from plcgen.ppi.wire.areas import Area, ReturnCode, TransportSize
+from plcgen.ppi.wire.errors import PpiError
+from plcgen.ppi.wire.load import READING, WRITING, PackingRules
+from plcgen.ppi.wire.model import Item, ItemResult, ItemWrite, ReadReply, WriteReply
+from plcgen.ppi.wire.pack import pack_read, pack_write
+from plcgen.ppi.wire.pdu import decode_pdu, encode_pdu
 
 
 def items(text):

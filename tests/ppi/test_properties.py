@@ -8,14 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from ppi.strategies import damaged, frames, pdus
 
-from plcgen.protocols.ppi.wire.description import frame_text
-from plcgen.protocols.ppi.wire.dissect import dissect, title
-from plcgen.protocols.ppi.wire.errors import PpiError
-from plcgen.protocols.ppi.wire.fdl import checksum, decode_frame, encode_frame
-from plcgen.protocols.ppi.wire.model import VariableFrame
-from plcgen.protocols.ppi.wire.pdu import decode_pdu, encode_pdu
-from plcgen.protocols.ppi.wire.stream import Splitter, split
-from plcgen.protocols.ppi.wire.telegram import decode_telegram, examine
+from plcgen.ppi.wire.description import frame_text
+from plcgen.ppi.wire.dissect import dissect, title
+from plcgen.ppi.wire.errors import PpiError
+from plcgen.ppi.wire.fdl import checksum, decode_frame, encode_frame
+from plcgen.ppi.wire.model import VariableFrame
+from plcgen.ppi.wire.pdu import decode_pdu, encode_pdu
+from plcgen.ppi.wire.stream import Splitter, split
+from plcgen.ppi.wire.telegram import decode_telegram, examine
 
 
 @given(pdus)

@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from plcgen.protocols.ppi.wire.stream import Splitter, split
+from plcgen.ppi.wire.stream import Splitter, split
 
 POLL = bytes.fromhex("10 02 00 5C 5E 16")
 READ = bytes.fromhex(

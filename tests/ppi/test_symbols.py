@@ -2,9 +2,9 @@
 
 import pytest
 
-from plcgen.diagnostics import DiagnosticError
-from plcgen.protocols.ppi.symbols import load_symbols, parse_symbols
-from plcgen.protocols.ppi.wire.address import parse_item
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.ppi.symbols import load_symbols, parse_symbols
+from plcgen.ppi.wire.address import parse_item
 
 TABLE = (("Pump", "Q0.1", "main pump"), ("Level", "VD200", "tank, upper"), ("Füllstand", "VW10", ""))
 
@@ -78,7 +78,7 @@ def test_no_symbol_table(text):
 
 def test_too_large(tmp_path, monkeypatch):
     """Sizes are bounded."""
-    monkeypatch.setattr("plcgen.protocols.ppi.symbols.MAX_BYTES", 100)
+    monkeypatch.setattr("plcgen.ppi.symbols.MAX_BYTES", 100)
     path = tmp_path / "s.csv"
     path.write_bytes(b"Pump,Q0.1,x\n" * 20)
     with pytest.raises(DiagnosticError):

@@ -3,12 +3,12 @@
 import pytest
 from ppi.vectors import FRAMES, WRONG, frame, octets, pdu, tables
 
-from plcgen.protocols.ppi.wire.address import address_text, parse_item
-from plcgen.protocols.ppi.wire.errors import PpiError
-from plcgen.protocols.ppi.wire.fdl import decode_frame, encode_frame
-from plcgen.protocols.ppi.wire.model import ReadRequest, VariableFrame, WriteRequest
-from plcgen.protocols.ppi.wire.pdu import decode_pdu, encode_pdu
-from plcgen.protocols.ppi.wire.telegram import decode_telegram, examine
+from plcgen.ppi.wire.address import address_text, parse_item
+from plcgen.ppi.wire.errors import PpiError
+from plcgen.ppi.wire.fdl import decode_frame, encode_frame
+from plcgen.ppi.wire.model import ReadRequest, VariableFrame, WriteRequest
+from plcgen.ppi.wire.pdu import decode_pdu, encode_pdu
+from plcgen.ppi.wire.telegram import decode_telegram, examine
 
 
 def test_every_seed_frame_is_there():

@@ -3,10 +3,10 @@
 import pytest
 from ppi.vectors import FRAMES, octets
 
-from plcgen.protocols.ppi.wire.areas import Area
-from plcgen.protocols.ppi.wire.errors import Kind, PpiError
-from plcgen.protocols.ppi.wire.fdl import checksum, encode_frame
-from plcgen.protocols.ppi.wire.model import (
+from plcgen.ppi.wire.areas import Area
+from plcgen.ppi.wire.errors import Kind, PpiError
+from plcgen.ppi.wire.fdl import checksum, encode_frame
+from plcgen.ppi.wire.model import (
     Acknowledgement,
     AckReply,
     DataFrame,
@@ -25,9 +25,9 @@ from plcgen.protocols.ppi.wire.model import (
     VariableFrame,
     WriteRequest,
 )
-from plcgen.protocols.ppi.wire.pdu import decode_pdu, encode_pdu, examine_pdu
-from plcgen.protocols.ppi.wire.sequence import FrameCountCheck
-from plcgen.protocols.ppi.wire.telegram import decode_telegram, examine
+from plcgen.ppi.wire.pdu import decode_pdu, encode_pdu, examine_pdu
+from plcgen.ppi.wire.sequence import FrameCountCheck
+from plcgen.ppi.wire.telegram import decode_telegram, examine
 
 READ = octets(FRAMES["t1-read-vb100"])
 WRITE = octets(FRAMES["vb-write-vb100=0c-7c"])

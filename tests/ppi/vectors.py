@@ -6,7 +6,7 @@ from typing import Any
 
 from yaml_files import read_yaml
 
-from plcgen.protocols.ppi.wire import model
+from plcgen.ppi.wire import model
 
 PATH = Path(__file__).parents[1] / "vectors" / "ppi.yaml"
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 import yaml
 
+from plcgen.base.resources import specs_dir
 from plcgen.project.cpus import cpu, cpu_names, find_cpu
 from plcgen.project.target import target
-from plcgen.resources import specs_dir
 
 KB = 1024
 

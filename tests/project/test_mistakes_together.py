@@ -11,8 +11,8 @@ from projects import ROOT
 from yaml_files import read_yaml
 
 from plcgen import api
-from plcgen.diagnostics import Report
-from plcgen.input.yaml import YamlNode, parse_yaml
+from plcgen.base.diagnostics import Report
+from plcgen.base.files.yaml import YamlNode, parse_yaml
 
 CASES = ROOT / "tests" / "cases"
 OF_A_SOUND_SPEC = {"PG227", "PG412", "PG413"}

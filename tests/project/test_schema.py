@@ -14,12 +14,12 @@ import yaml
 from projects import SPECS, every_type
 
 from plcgen import api
-from plcgen.diagnostics import ArgumentError, DiagnosticError, Report
-from plcgen.input.yaml import resolve_plain
+from plcgen.base.diagnostics import ArgumentError, DiagnosticError, Report
+from plcgen.base.files.yaml import resolve_plain
+from plcgen.ds47 import devices as catalog
 from plcgen.project.loading import parse_spec, spec_keys
+from plcgen.project.registry import protocols
 from plcgen.project.shape import json_schema
-from plcgen.protocols.ds47 import devices as catalog
-from plcgen.protocols.registry import protocols
 
 VALIDATOR = jsonschema.Draft202012Validator(json_schema(protocols()))
 
@@ -239,8 +239,8 @@ def test_field_names_follow_the_models() -> None:
 @pytest.mark.parametrize("key", catalog.device_names())
 def test_device_profiles_are_complete(key: str) -> None:
     """Every profile names its source, a record index that exists, and parameters with known types and sources."""
-    from plcgen.protocols.ds47.references import parse_type
-    from plcgen.protocols.ds47.wire.formats import by_name
+    from plcgen.ds47.references import parse_type
+    from plcgen.ds47.wire.formats import by_name
 
     device = catalog.find_device(key)
     assert device.source

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
+from plcgen.base.diagnostics import Report
 from plcgen.cli.specs import specs_below
-from plcgen.diagnostics import Report
-from plcgen.input.includes import MAX_FILES, MAX_LEVELS
+from plcgen.project.includes import MAX_FILES, MAX_LEVELS
 from plcgen.project.loading import load_spec
 from plcgen.project.opening import open_spec
 
@@ -192,8 +192,8 @@ def test_variables_do_not_multiply(tmp_path: Path) -> None:
 
 def test_the_review_names_what_is_included(spec: Path) -> None:
     """Beside the hash that covers it."""
-    from plcgen.display.view import PLAIN
-    from plcgen.output.registry import output_format
+    from plcgen.base.display.view import PLAIN
+    from plcgen.report.registry import output_format
 
     assert api.generate(spec).ok
     review = api.review(spec, faults="none")

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.cpu.folder import Tags, read_tag_file
-from plcgen.cpu.sources import check_program, find_sources
-from plcgen.scl.dialect import Dialect
+from plcgen.s7.cpu.folder import Tags, read_tag_file
+from plcgen.s7.cpu.sources import check_program, find_sources
+from plcgen.s7.scl.dialect import Dialect
 
 TARGETS = {
     "step7-v5": ("s7-300", "address: 256", Dialect.STEP7_V5),

@@ -15,7 +15,7 @@ from mutation.beliefs.__main__ import failures
 from mutation.beliefs.run import Outcome, tried
 from mutation.beliefs.tables import Break, breaks, names
 from plcgen import api
-from plcgen.diagnostics import Diagnostic, Severity
+from plcgen.base.diagnostics import Diagnostic, Severity
 
 FLOOR = 16
 """So many breaks of the sample there are at least, all of them noticed or with a reason why not."""

@@ -24,9 +24,9 @@ jobs:
   set_ramps: {drive: d, write: {P1120: 5.0, P1121: null, P29998: {type: Unsigned8, value: 1}}}
   read_faults: {drive: d, read: ["r945[0..2]", P1120, {parameter: r29999, type: Unsigned8}, r947]}
 """
-FORMATS, MODEL = "plcgen/protocols/ds47/wire/formats.py", "plcgen/protocols/ds47/wire/model.py"
-UNITS, DRIVES = "plcgen/protocols/ds47/plan/units.py", "plcgen/protocols/ds47/rules/drives.py"
-SERVER, G120 = "plcgen/protocols/ds47/sim/behaviour.py", "specs/devices/sinamics-g120.yaml"
+FORMATS, MODEL = "plcgen/ds47/wire/formats.py", "plcgen/ds47/wire/model.py"
+UNITS, DRIVES = "plcgen/ds47/plan/units.py", "plcgen/ds47/rules/drives.py"
+SERVER, G120 = "plcgen/ds47/sim/behaviour.py", "specs/devices/sinamics-g120.yaml"
 VALUE, DESCRIPTION = "    VALUE = 0x10\n    DESCRIPTION = 0x20\n", "    VALUE = 0x20\n    DESCRIPTION = 0x10\n"
 READ, CHANGE = "    READ = 0x01\n    CHANGE = 0x02\n", "    READ = 0x02\n    CHANGE = 0x01\n"
 REAL = "type: FloatingPoint, unit: s, array: n, min: 0.0, max: 999999.0, default: 10.0"

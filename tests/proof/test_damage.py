@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
+from plcgen.base.diagnostics import Severity
 from plcgen.cli.main import run as run_main
-from plcgen.cpu.cpu import Cpu
-from plcgen.diagnostics import Severity
+from plcgen.ds47.proof import exchanges, rig
 from plcgen.proof import headers, making, tables
 from plcgen.proof.checks import Outcome
-from plcgen.protocols.ds47.proof import exchanges, rig
+from plcgen.s7.cpu.cpu import Cpu
 
 SPEC = """
 plc: {name: Press, family: s7-1500, toolchain: tia-v20}
@@ -79,7 +79,7 @@ def test_an_exception_is_a_red_check(
 IN_A_WORKER = """
 import os, sys
 from plcgen import api
-from plcgen.protocols.ds47.proof import rig
+from plcgen.ds47.proof import rig
 
 def failing(*_, **__):
     raise LookupError("nobody expects this")

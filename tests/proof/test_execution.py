@@ -13,7 +13,7 @@ import pytest
 from projects import FAQ, MM4, SPECS, TARGETS, every_type, retargeted
 
 from plcgen import api
-from plcgen.diagnostics import Report
+from plcgen.base.diagnostics import Report
 from plcgen.project.loading import load_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve

@@ -8,10 +8,10 @@ import pytest
 from projects import ROOT
 
 from plcgen import api
-from plcgen.cpu.program import Program
 from plcgen.proof.checks import Outcome
 from plcgen.proof.idle import count, idle_check
-from plcgen.scl.dialect import Dialect
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.scl.dialect import Dialect
 
 SOURCE = """
 FUNCTION_BLOCK FB 1

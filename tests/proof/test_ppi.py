@@ -11,16 +11,16 @@ from projects import ROOT, generated_example
 
 from mutation.run import executed
 from plcgen import api
-from plcgen.diagnostics import Report
+from plcgen.base.diagnostics import Report
+from plcgen.ppi.plan.nouns import PpiPlan
+from plcgen.ppi.proof.calls import spread
+from plcgen.ppi.review import buffers
 from plcgen.project.loading import load_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
 from plcgen.proof.checks import Verification
 from plcgen.proof.execution import Work, attempt
 from plcgen.proof.rig import ProgramBench
-from plcgen.protocols.ppi.plan.nouns import PpiPlan
-from plcgen.protocols.ppi.proof.calls import spread
-from plcgen.protocols.ppi.review import buffers
 
 HEADS = {
     "t12": ("s7-1200", "tia-v19", "cm1241", "port: 270"),

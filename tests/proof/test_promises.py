@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.cpu.cpu import Cpu
-from plcgen.diagnostics import Report
+from plcgen.base.diagnostics import Report
 from plcgen.project.loading import load_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
@@ -20,6 +19,7 @@ from plcgen.proof.execution import attempt, main_coverage, run_job
 from plcgen.proof.rig import ProgramBench
 from plcgen.proof.scenario import Failure
 from plcgen.proof.suite import Suite
+from plcgen.s7.cpu.cpu import Cpu
 
 PLANT = """
 plc: {name: Plant, family: s7-1500, toolchain: tia-v19}

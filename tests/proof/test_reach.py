@@ -6,7 +6,7 @@ import pytest
 
 from plcgen.proof.conditions import Premise
 from plcgen.proof.reach import reachable
-from plcgen.scl.parser import parse
+from plcgen.s7.scl.parser import parse
 
 HEAD = """FUNCTION_BLOCK f
 VAR_INPUT

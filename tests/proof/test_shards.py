@@ -19,11 +19,11 @@ from click.testing import CliRunner
 from jsonschema import Draft202012Validator
 
 from plcgen import api
+from plcgen.base.diagnostics import DiagnosticError
 from plcgen.cli.main import run as run_main
-from plcgen.diagnostics import DiagnosticError
-from plcgen.output.shapes import output_schema
 from plcgen.proof.checks import Verification
 from plcgen.proof.sharing import Sharing
+from plcgen.report.shapes import output_schema
 
 SPEC = """
 plc: {name: Plant, family: s7-1500, toolchain: tia-v19}

@@ -8,7 +8,7 @@ from typing import get_args
 import pytest
 
 from plcgen import api
-from plcgen.diagnostics import Severity
+from plcgen.base.diagnostics import Severity
 from plcgen.project.opening import open_spec
 from plcgen.project.schema import Toolchain
 

@@ -12,8 +12,8 @@ from plcgen.project.target import target
 from plcgen.proof.checks import Outcome
 from plcgen.proof.folder import read_folder
 from plcgen.proof.twins import difference
-from plcgen.simaticml.reading.documents import read_simaticml
-from plcgen.sources.text import read_source
+from plcgen.s7.read.text import read_source
+from plcgen.s7.xml.reading.documents import read_simaticml
 
 EXAMPLE = generated_example(FAQ.stem)
 

@@ -12,14 +12,14 @@ import pytest
 from projects import FAQ, MM4, SPECS, generated_example
 
 from plcgen import api
+from plcgen.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.proof import exchanges
+from plcgen.ds47.sim.bench import build_drive
+from plcgen.ds47.sim.drive import Drive
 from plcgen.project.nouns import Plan
 from plcgen.proof.checks import Check, Outcome, Verification
 from plcgen.proof.folder import Folder, read_folder
 from plcgen.proof.layouts import check_layout
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ds47.proof import exchanges
-from plcgen.protocols.ds47.sim.bench import build_drive
-from plcgen.protocols.ds47.sim.drive import Drive
 
 GOLDEN = generated_example(FAQ.stem)
 

@@ -21,7 +21,7 @@ import pytest
 from projects import FAQ, ROOT
 
 from plcgen import api
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.proof.checks import Outcome
 from plcgen.proof.sharing import Sharing
 

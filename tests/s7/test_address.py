@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.s7.address import Address, AddressError, parse_address, parse_pointer, unpack_pointer
+from plcgen.s7.types.address import Address, AddressError, parse_address, parse_pointer, unpack_pointer
 
 
 @pytest.mark.parametrize(

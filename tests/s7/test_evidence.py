@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from layout_vectors import block, cases, db
 from rulebook import Rulebook
 
-from plcgen.s7.evidence import COMPILED, RULES, SIZES, rule
-from plcgen.s7.layout import layout_block, leaves, locate
-from plcgen.s7.types import ELEMENTARY
+from plcgen.s7.layout.evidence import COMPILED, RULES, SIZES, rule
+from plcgen.s7.layout.layout import layout_block, leaves, locate
+from plcgen.s7.types.data_types import ELEMENTARY
 
 WITHOUT = {
     "bit": [("bit",)],

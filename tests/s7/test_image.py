@@ -8,10 +8,10 @@ import dataclasses
 import pytest
 from layout_vectors import block, cases, db, members
 
-from plcgen.s7.blocks import Assignment, Block, BlockKind, Section, SectionKind
-from plcgen.s7.image import StartValueError, image, read_member, write_member
-from plcgen.s7.layout import layout_block
-from plcgen.s7.types import ELEMENTARY, ArrayType, Member, NamedType, StructType
+from plcgen.s7.layout.image import StartValueError, image, read_member, write_member
+from plcgen.s7.layout.layout import layout_block
+from plcgen.s7.types.blocks import Assignment, Block, BlockKind, Section, SectionKind
+from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, Member, NamedType, StructType
 
 
 def starts_of(case):

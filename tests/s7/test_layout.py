@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 from layout_vectors import block, cases, db, members, to_type
 from work import calls_of
 
-from plcgen.diagnostics import DiagnosticError, Span
-from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
-from plcgen.s7.layout import layout_block, layout_members, leaves, locate, split_path
-from plcgen.s7.system import s7_1500_types
-from plcgen.s7.types import ELEMENTARY, ArrayType, Elementary, Member, NamedType, StringType, StructType
+from plcgen.base.diagnostics import DiagnosticError, Span
+from plcgen.s7.layout.layout import layout_block, layout_members, leaves, locate, split_path
+from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind
+from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, Elementary, Member, NamedType, StringType, StructType
+from plcgen.s7.types.system import s7_1500_types
 
 
 def offsets(layout):

@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.s7.address import parse_pointer
-from plcgen.s7.literals import LiteralError, format_literal, pack_literal, parse_literal
-from plcgen.s7.types import ELEMENTARY, StringType
-from plcgen.s7.values import RANGES, pack_value, unpack_value
+from plcgen.s7.types.address import parse_pointer
+from plcgen.s7.types.data_types import ELEMENTARY, StringType
+from plcgen.s7.types.literals import LiteralError, format_literal, pack_literal, parse_literal
+from plcgen.s7.types.values import RANGES, pack_value, unpack_value
 
 
 @pytest.mark.parametrize(

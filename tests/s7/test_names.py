@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.s7.names import RESERVED, camel_case, check_name, pascal_case, shorten
+from plcgen.s7.types.names import RESERVED, camel_case, check_name, pascal_case, shorten
 
 
 @pytest.mark.parametrize(

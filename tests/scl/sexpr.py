@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plcgen.scl import ast
+from plcgen.s7.scl import ast
 
 
 def expression(node: ast.Expression) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 
 from yaml_files import read_yaml
 
-from plcgen.diagnostics import Diagnostic
+from plcgen.base.diagnostics import Diagnostic
 
 HERE = Path(__file__).parent
 

@@ -6,11 +6,11 @@ import pytest
 from scl import sexpr
 from scl.support import assert_begins, load, short
 
-from plcgen.diagnostics import Severity
-from plcgen.scl import ast
-from plcgen.scl.dialect import Dialect
-from plcgen.scl.parser import parse
-from plcgen.sources.text import parse_source
+from plcgen.base.diagnostics import Severity
+from plcgen.s7.read.text import parse_source
+from plcgen.s7.scl import ast
+from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.scl.parser import parse
 
 DIALECTS = {"V5": Dialect.STEP7_V5, "T3": Dialect.TIA_300_400, "T15": Dialect.TIA_1200_1500}
 

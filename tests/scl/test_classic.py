@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from plcgen.scl.classic import Spelling, respell
+from plcgen.s7.scl.classic import Spelling, respell
 
 STEP7_V5: dict[str, tuple[str, str]] = {
     "local names carry no #": (

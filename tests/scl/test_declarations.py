@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from scl.support import source
 
-from plcgen.s7.blocks import Assignment, Block, BlockKind, SectionKind
-from plcgen.s7.types import ELEMENTARY, ArrayType, DataType, NamedType, StringType, StructType
-from plcgen.scl.constants import integer
-from plcgen.scl.parser import parse
-from plcgen.sources.text import parse_source
+from plcgen.s7.read.text import parse_source
+from plcgen.s7.scl.constants import integer
+from plcgen.s7.scl.parser import parse
+from plcgen.s7.types.blocks import Assignment, Block, BlockKind, SectionKind
+from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, DataType, NamedType, StringType, StructType
 
 
 def _blocks(text: str) -> list[Block]:

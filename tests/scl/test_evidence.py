@@ -10,10 +10,10 @@ import pytest
 
 from evidence import scl
 from evidence.faults import TOKEN, TYPE, Fault, faults, found
-from plcgen.cpu.program import Program
-from plcgen.documents.convert import convert
-from plcgen.scl.dialect import BY_NAME
-from plcgen.scl.parser import parse
+from plcgen.build.convert import convert
+from plcgen.s7.cpu.program import Program
+from plcgen.s7.scl.dialect import BY_NAME
+from plcgen.s7.scl.parser import parse
 
 GOOD = """FUNCTION_BLOCK "Pump"
 { S7_Optimized_Access := 'TRUE' }

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scl.support import source
 
-from plcgen.scl.cursor import MAX_ERRORS
-from plcgen.scl.dialect import Dialect
-from plcgen.sources.text import parse_source
+from plcgen.s7.read.text import parse_source
+from plcgen.s7.scl.cursor import MAX_ERRORS
+from plcgen.s7.scl.dialect import Dialect
 
 FB = "FUNCTION_BLOCK a\nBEGIN\n"
 SOURCES = [source("job_v5.scl"), source("job_t15.scl"), source("faq_buffers.db")]

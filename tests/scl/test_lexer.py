@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.scl.lexer import EOF, Comment, tokenize
+from plcgen.s7.scl.lexer import EOF, Comment, tokenize
 
 PIECES = st.sampled_from(
     ["(*", "*)", "(/*", "*/)", "//", "\n", "\r\n", "'", "$'", '"', "#", "%", "P#", "T#", "DB1.", "1", ".", "..",

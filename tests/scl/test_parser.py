@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from scl import sexpr
 from scl.support import short, source
 
-from plcgen.scl import ast, parser
-from plcgen.scl.cursor import MAX_ERRORS, MAX_NESTING
-from plcgen.scl.dialect import Dialect
-from plcgen.scl.parser import parse
-from plcgen.sources.text import parse_source
+from plcgen.s7.read.text import parse_source
+from plcgen.s7.scl import ast, parser
+from plcgen.s7.scl.cursor import MAX_ERRORS, MAX_NESTING
+from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.scl.parser import parse
 
 FB = "FUNCTION_BLOCK a\nBEGIN\n"
 WORDS = st.sampled_from(

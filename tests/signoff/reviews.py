@@ -9,9 +9,9 @@ from pathlib import Path
 from projects import FAQ, ROOT, generated_example
 
 from plcgen import api
-from plcgen.display.view import PLAIN
-from plcgen.output.registry import output_format
-from plcgen.signoff.model import Review
+from plcgen.base.display.view import PLAIN
+from plcgen.report.registry import output_format
+from plcgen.report.review.model import Review
 
 LONG = "veryLongMemberNameOfAnEngineerWhoLikesIt"
 HOSTILE = f"""

@@ -12,8 +12,8 @@ from projects import ROOT
 from signoff.reviews import faq_review, hostile_review, ppi_review, show
 
 from plcgen import api
-from plcgen.display.view import PLAIN
-from plcgen.output.registry import output_format
+from plcgen.base.display.view import PLAIN
+from plcgen.report.registry import output_format
 
 WIDTHS = (1400, 800, 480)
 

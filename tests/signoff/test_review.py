@@ -13,14 +13,14 @@ from projects import FAQ, ROOT, generated_example
 from signoff.reviews import LONG, faq_review, git, hostile_review, ppi_review, show
 
 from plcgen import api
-from plcgen.diagnostics import DiagnosticError
-from plcgen.inspection.sheet import Role
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.build.sheet import Role
+from plcgen.ds47.sheet import review_sheet
 from plcgen.proof.checks import Check, CheckGroup, Outcome, Trial, Verification
-from plcgen.protocols.ds47.sheet import review_sheet
-from plcgen.signoff.grid import matrix, scenario_grids
-from plcgen.signoff.markdown import LIMIT
-from plcgen.signoff.timeline import time_line
-from plcgen.trace.model import JobResult, Trace
+from plcgen.report.review.grid import matrix, scenario_grids
+from plcgen.report.review.markdown import LIMIT
+from plcgen.report.review.timeline import time_line
+from plcgen.report.trace.model import JobResult, Trace
 
 
 def test_the_write_list_says_what_the_spec_says():

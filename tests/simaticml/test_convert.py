@@ -10,8 +10,8 @@ from projects import ROOT
 from xsd_support import validate_islands
 
 import plcgen
-from plcgen.documents.convert import file_name
-from plcgen.simaticml.reading.invariants import check_invariants
+from plcgen.build.convert import file_name
+from plcgen.s7.xml.reading.invariants import check_invariants
 
 EXAMPLE = ROOT / "examples/s7-1500_g120_pn/expected"
 

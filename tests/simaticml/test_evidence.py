@@ -13,10 +13,10 @@ from projects import EVERY_TYPE, ROOT, SPECS
 from evidence import simaticml
 from evidence.__main__ import main
 from evidence.signatures import Signature, data_type, literal, signatures
-from plcgen.documents.rendering import render_project
+from plcgen.build.rendering import render_project
 from plcgen.project.opening import open_spec
-from plcgen.simaticml.reading.xml import parse_xml
-from plcgen.simaticml.versions import VERSIONS
+from plcgen.s7.xml.reading.xml import parse_xml
+from plcgen.s7.xml.versions import VERSIONS
 
 DOCUMENT = """<Document><Engineering version="V18" /><SW.Blocks.FC ID="0"><AttributeList>
 <Interface><Sections xmlns="http://www.siemens.com/automation/Openness/SW/Interface/v5"><Section Name="Temp">

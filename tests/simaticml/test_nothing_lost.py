@@ -9,10 +9,10 @@ from simaticml.reading.documents import STANDARD, document, function_block, glob
 
 import plcgen
 from plcgen import api
-from plcgen.inspection.compare.run import compare
-from plcgen.inspection.layout.declared import block_tables
-from plcgen.s7.literals import pack_literal
-from plcgen.simaticml.reading.documents import read_simaticml
+from plcgen.report.diff.run import compare
+from plcgen.s7.tables.declared import block_tables
+from plcgen.s7.types.literals import pack_literal
+from plcgen.s7.xml.reading.documents import read_simaticml
 
 CONNECTION = (
     '<Member Name="link" Datatype="TCON_IP_v4" Version="1.0"><Sections><Section Name="None">'

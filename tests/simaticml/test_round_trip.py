@@ -16,19 +16,19 @@ from simaticml.test_structured_text import CASES
 from yaml_files import read_yaml
 
 from plcgen import api
-from plcgen.diagnostics import Severity
-from plcgen.s7.image import image
-from plcgen.s7.layout import layout_block
-from plcgen.s7.types import ELEMENTARY
-from plcgen.scl.declarations import blocks
-from plcgen.scl.lexer import ERROR, tokenize
-from plcgen.scl.parser import parse
-from plcgen.simaticml.reading.documents import read_simaticml
-from plcgen.simaticml.reading.source import source
-from plcgen.simaticml.versions import VERSIONS
-from plcgen.simaticml.writing.documents import Setting, document
-from plcgen.simaticml.writing.scope import BlockScope
-from plcgen.simaticml.writing.structured_text import elements, numbered
+from plcgen.base.diagnostics import Severity
+from plcgen.s7.layout.image import image
+from plcgen.s7.layout.layout import layout_block
+from plcgen.s7.scl.declarations import blocks
+from plcgen.s7.scl.lexer import ERROR, tokenize
+from plcgen.s7.scl.parser import parse
+from plcgen.s7.types.data_types import ELEMENTARY
+from plcgen.s7.xml.reading.documents import read_simaticml
+from plcgen.s7.xml.reading.source import source
+from plcgen.s7.xml.versions import VERSIONS
+from plcgen.s7.xml.writing.documents import Setting, document
+from plcgen.s7.xml.writing.scope import BlockScope
+from plcgen.s7.xml.writing.structured_text import elements, numbered
 
 
 def cases(name: str) -> list:

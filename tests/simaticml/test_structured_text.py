@@ -6,12 +6,12 @@ import re
 
 import pytest
 
-from plcgen.scl.declarations import blocks
-from plcgen.scl.parser import parse
-from plcgen.simaticml.versions import VERSIONS
-from plcgen.simaticml.writing.documents import Setting
-from plcgen.simaticml.writing.scope import BlockScope
-from plcgen.simaticml.writing.structured_text import elements, numbered
+from plcgen.s7.scl.declarations import blocks
+from plcgen.s7.scl.parser import parse
+from plcgen.s7.xml.versions import VERSIONS
+from plcgen.s7.xml.writing.documents import Setting
+from plcgen.s7.xml.writing.scope import BlockScope
+from plcgen.s7.xml.writing.structured_text import elements, numbered
 
 DECLARATIONS = """
 VAR_INPUT start : Bool; "my input" : Int; END_VAR

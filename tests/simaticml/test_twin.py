@@ -10,10 +10,10 @@ import pytest
 from projects import every_type, generated_example
 
 from plcgen import api
-from plcgen.simaticml.versions import VERSIONS
-from plcgen.simaticml.writing import twin
-from plcgen.simaticml.writing.documents import Setting
-from plcgen.sources.text import parse_source
+from plcgen.s7.read.text import parse_source
+from plcgen.s7.xml.versions import VERSIONS
+from plcgen.s7.xml.writing import twin
+from plcgen.s7.xml.writing.documents import Setting
 
 SETTING = Setting(VERSIONS["V19"], classic=False)
 

@@ -9,9 +9,9 @@ import pytest
 from simaticml.reading.documents import document, global_db
 
 from plcgen import api
-from plcgen.s7.layout import layout_block
-from plcgen.sources.files import read_files
-from plcgen.sources.symbols import read_symbols
+from plcgen.s7.layout.layout import layout_block
+from plcgen.s7.read.files import read_files
+from plcgen.s7.read.symbols import read_symbols
 
 UDT = "TYPE UDT 5\nTITLE =Motor\nVERSION : 0.1\n  STRUCT\n   a : INT ;\n   b : BOOL ;\n  END_STRUCT ;\nEND_TYPE\n"
 DB = """DATA_BLOCK DB 3

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import plcgen
-from plcgen.sources.plcs import by_plc, plc_folder, plc_names
+from plcgen.s7.read.plcs import by_plc, plc_folder, plc_names
 
 TYPE = 'TYPE "Unit"\nVERSION : 0.1\n  STRUCT\n    a : {type};\n  END_STRUCT;\nEND_TYPE\n'
 DATA = """DATA_BLOCK "Plant"

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.diagnostics import Diagnostic, Severity
-from plcgen.s7.blocks import SectionKind
-from plcgen.scl.dialect import Dialect
-from plcgen.sources import text as reader
-from plcgen.sources.text import decode_source, read_source
+from plcgen.base.diagnostics import Diagnostic, Severity
+from plcgen.s7.read import text as reader
+from plcgen.s7.read.text import decode_source, read_source
+from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.types.blocks import SectionKind
 
 UDT = 'TYPE "größe"\nSTRUCT\n  x : INT;   // Länge\nEND_STRUCT;\nEND_TYPE\n'
 

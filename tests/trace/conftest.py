@@ -10,7 +10,7 @@ import pytest
 from projects import FAQ, ROOT, retargeted
 
 from plcgen import api
-from plcgen.trace.model import Trace
+from plcgen.report.trace.model import Trace
 
 EXPECTED = ROOT / "examples" / FAQ.stem / "expected"
 

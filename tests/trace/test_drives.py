@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.cpu.program import Program
-from plcgen.trace.model import Trace
-from plcgen.trace.run import RunSettings, Simulation
+from plcgen.report.trace.model import Trace
+from plcgen.report.trace.run import RunSettings, Simulation
+from plcgen.s7.cpu.program import Program
 
 SPEC = """plc: {name: Axes, family: s7-1500, toolchain: tia-v19}
 drives:

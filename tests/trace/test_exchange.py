@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.protocols.ds47.recording.exchange import contact_text
-from plcgen.trace.model import Contact
-from plcgen.trace.spelling import value_text
+from plcgen.ds47.recording.exchange import contact_text
+from plcgen.report.trace.model import Contact
+from plcgen.report.trace.spelling import value_text
 
 READ = "01 01 02 01 10 01 C47F 0000"
 TWO = "05 01 00 02 10 01 0460 0000 10 02 086B 0001"

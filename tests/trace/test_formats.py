@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import pytest
 
-from plcgen.display.view import View
-from plcgen.output.registry import output_format
-from plcgen.trace.model import Signal, Step, Trace
+from plcgen.base.display.view import View
+from plcgen.report.registry import output_format
+from plcgen.report.trace.model import Signal, Step, Trace
 
 Run = Callable[..., Trace]
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.display.view import View
-from plcgen.output.registry import output_format
-from plcgen.trace.model import Trace
+from plcgen.base.display.view import View
+from plcgen.report.registry import output_format
+from plcgen.report.trace.model import Trace
 
 Run = Callable[..., Trace]
 

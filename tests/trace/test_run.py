@@ -9,7 +9,7 @@ import pytest
 from projects import FAQ, ROOT
 
 from plcgen import api
-from plcgen.trace.model import Trace
+from plcgen.report.trace.model import Trace
 
 Run = Callable[..., Trace]
 
@@ -262,7 +262,7 @@ def test_arguments_that_make_no_sense(run: Run, arguments: dict[str, object], me
 )
 def test_spellings_of_a_fault(text: str, field: str, value: object) -> None:
     """Codes are hexadecimal where their spelling says so."""
-    from plcgen.protocols.ds47.recording.faults import plan_faults
+    from plcgen.ds47.recording.faults import plan_faults
 
     (fault,) = plan_faults([text], None, ["dcm"]).of("dcm")
     assert getattr(fault, field) == value

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import click
 
+from plcgen.base.diagnostics.counting import quantity
 from plcgen.cli.completed import devices
 from plcgen.cli.options import console, format_option, verb
-from plcgen.diagnostics.counting import quantity
 
 if TYPE_CHECKING:
-    from plcgen.output.registry import OutputFormat
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 @format_option("answer")
 def command(*, old: str, new: str, format_: OutputFormat) -> int:
     """Show which facts about parameters differ between two device profiles, given as device names or paths."""
-    from plcgen.display.data import head
-    from plcgen.display.results import Answer
-    from plcgen.display.table import text_table
-    from plcgen.protocols.ds47.catalogue.drift import changes
-    from plcgen.protocols.ds47.devices import find_device
+    from plcgen.base.display.data import head
+    from plcgen.base.display.results import Answer
+    from plcgen.base.display.table import text_table
+    from plcgen.ds47.catalogue.drift import changes
+    from plcgen.ds47.devices import find_device
 
     found = list(changes(find_device(old), find_device(new)))
     header = ("parameter", "fact", "old", "new", "grade")

@@ -10,7 +10,7 @@ import click
 from plcgen.cli.options import PATH, console, format_option, verb
 
 if TYPE_CHECKING:
-    from plcgen.output.registry import OutputFormat
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(
@@ -28,15 +28,15 @@ def command(*, file: Path, spec: Path, drive: str | None, format_: OutputFormat)
     A constant must have the same value in the drive and be within its limits, and every parameter that is read or
     written must exist. Exit code 1 if something has drifted.
     """
+    from plcgen.base.diagnostics import Diagnostic, Span
+    from plcgen.base.display.data import diagnostics_data
+    from plcgen.base.display.results import Answer
+    from plcgen.base.display.table import text_table
     from plcgen.cli.live.specs import choose_drive, drive_plan
-    from plcgen.diagnostics import Diagnostic, Span
-    from plcgen.display.data import diagnostics_data
-    from plcgen.display.results import Answer
-    from plcgen.display.table import text_table
-    from plcgen.protocols.ds47.catalogue import lists
-    from plcgen.protocols.ds47.catalogue.drift import DRIFTED, UNREADABLE
-    from plcgen.protocols.ds47.catalogue.drift import drift as drifted
-    from plcgen.protocols.ds47.catalogue.own_list import LISTS, read_own_list
+    from plcgen.ds47.catalogue import lists
+    from plcgen.ds47.catalogue.drift import DRIFTED, UNREADABLE
+    from plcgen.ds47.catalogue.drift import drift as drifted
+    from plcgen.ds47.catalogue.own_list import LISTS, read_own_list
 
     plan = drive_plan(spec)
     key = choose_drive(plan, drive, "name the one that the list belongs to with --drive")

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import click
 
+from plcgen.base.diagnostics.counting import quantity
 from plcgen.cli.options import PATH, console, device_option, force_option, format_option, verb
-from plcgen.diagnostics.counting import quantity
 
 if TYPE_CHECKING:
-    from plcgen.display.results import Answer
-    from plcgen.output.registry import OutputFormat
-    from plcgen.protocols.ds47.catalogue.merging import Merged
-    from plcgen.protocols.ds47.catalogue.own_list import Inventory, OwnList
+    from plcgen.base.display.results import Answer
+    from plcgen.ds47.catalogue.merging import Merged
+    from plcgen.ds47.catalogue.own_list import Inventory, OwnList
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(
@@ -37,9 +37,9 @@ def command(*, file: Path, device: str, profile: Path | None, format_: OutputFor
     For a file with the values of r980 (the parameter numbers that a drive has), it shows which of them are in the
     catalogue.
     """
-    from plcgen.protocols.ds47.catalogue import lists, merging
-    from plcgen.protocols.ds47.catalogue.own_list import compare_own_list, read_own_list
-    from plcgen.protocols.ds47.devices import find_device
+    from plcgen.ds47.catalogue import lists, merging
+    from plcgen.ds47.catalogue.own_list import compare_own_list, read_own_list
+    from plcgen.ds47.devices import find_device
 
     out = console()
     sheets = lists.load_sheets(file)
@@ -59,10 +59,10 @@ def command(*, file: Path, device: str, profile: Path | None, format_: OutputFor
 
 
 def _answer(result: Merged) -> Answer:
-    from plcgen.display.data import head
-    from plcgen.display.results import Answer
-    from plcgen.display.table import text_table
-    from plcgen.protocols.ds47.catalogue.merging import NEW
+    from plcgen.base.display.data import head
+    from plcgen.base.display.results import Answer
+    from plcgen.base.display.table import text_table
+    from plcgen.ds47.catalogue.merging import NEW
 
     header = ("parameter", "fact", "catalogue", "known", "list")
     rows = [(one.parameter, one.fact, one.known, one.grade, one.listed) for one in result.changes]
@@ -83,9 +83,9 @@ def _numbers(own: OwnList, found: Inventory, device: str) -> Answer:
     """Which numbers of a drive the catalogue knows, which not, and which it has that the drive has not."""
     from textwrap import fill
 
-    from plcgen.display.data import head
-    from plcgen.display.results import Answer
-    from plcgen.protocols.ds47.catalogue.pages import label
+    from plcgen.base.display.data import head
+    from plcgen.base.display.results import Answer
+    from plcgen.ds47.catalogue.pages import label
 
     parts = {
         "known": (f"known to {device}", [label(one) for one in found.both]),

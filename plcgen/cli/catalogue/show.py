@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 
 import click
 
+from plcgen.base.diagnostics.counting import quantity
 from plcgen.cli.arguments import ARGUMENTS
 from plcgen.cli.options import console, device_option, format_option, verb
-from plcgen.diagnostics.counting import quantity
 
 if TYPE_CHECKING:
-    from plcgen.diagnostics import Diagnostic
-    from plcgen.display.results import Answer
-    from plcgen.display.view import View
-    from plcgen.output.registry import OutputFormat
-    from plcgen.protocols.ds47.device import Device, Parameter
+    from plcgen.base.diagnostics import Diagnostic
+    from plcgen.base.display.results import Answer
+    from plcgen.base.display.view import View
+    from plcgen.ds47.device import Device, Parameter
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(
@@ -36,8 +36,8 @@ def command(*, parameters: tuple[str, ...], device: str, draw: int | None, seed:
     """Show what the catalogue knows about the parameters of a device: all, or those given by number or name."""
     if draw is not None and parameters:
         raise click.UsageError("--draw chooses the parameters: do not name any")
-    from plcgen.protocols.ds47.catalogue import pages
-    from plcgen.protocols.ds47.devices import find_device
+    from plcgen.ds47.catalogue import pages
+    from plcgen.ds47.devices import find_device
 
     found = find_device(device)
     if draw is not None:
@@ -51,9 +51,9 @@ def command(*, parameters: tuple[str, ...], device: str, draw: int | None, seed:
 
 def _find(device: Device, words: tuple[str, ...]) -> tuple[list[Parameter], tuple[Diagnostic, ...]]:
     """Parameters by number or name; a number that is not there is not guessed at."""
+    from plcgen.base.diagnostics.suggest import did_you_mean
     from plcgen.cli.arguments import arguments
-    from plcgen.diagnostics.suggest import did_you_mean
-    from plcgen.protocols.ds47.references import parse_reference
+    from plcgen.ds47.references import parse_reference
 
     chosen: list[Parameter] = []
     missing: list[Diagnostic] = []
@@ -73,10 +73,10 @@ def _find(device: Device, words: tuple[str, ...]) -> tuple[list[Parameter], tupl
 
 
 def _details(device: Device, found: Sequence[Parameter], missing: tuple[Diagnostic, ...]) -> Answer:
-    from plcgen.display.data import diagnostics_data
-    from plcgen.display.page import page_text
-    from plcgen.display.results import Answer
-    from plcgen.protocols.ds47.catalogue import pages
+    from plcgen.base.display.data import diagnostics_data
+    from plcgen.base.display.page import page_text
+    from plcgen.base.display.results import Answer
+    from plcgen.ds47.catalogue import pages
 
     rows = [pages.data(device, one) for one in found]
 
@@ -88,10 +88,10 @@ def _details(device: Device, found: Sequence[Parameter], missing: tuple[Diagnost
 
 def _drawn(found: Sequence[Parameter]) -> Answer:
     """Numbers and titles alone: who looks them up in a manual has not seen what the catalogue says."""
-    from plcgen.display.data import head
-    from plcgen.display.results import Answer
-    from plcgen.display.table import text_table
-    from plcgen.protocols.ds47.catalogue import pages
+    from plcgen.base.display.data import head
+    from plcgen.base.display.results import Answer
+    from plcgen.base.display.table import text_table
+    from plcgen.ds47.catalogue import pages
 
     rows = [(pages.label(one), one.title) for one in found]
     text = "\n".join(text_table(("parameter", "title"), rows, indent=0)) + "\n"
@@ -101,10 +101,10 @@ def _drawn(found: Sequence[Parameter]) -> Answer:
 
 
 def _list(device: Device) -> Answer:
-    from plcgen.display.data import head
-    from plcgen.display.results import Answer
-    from plcgen.display.table import text_table
-    from plcgen.protocols.ds47.catalogue import pages
+    from plcgen.base.display.data import head
+    from plcgen.base.display.results import Answer
+    from plcgen.base.display.table import text_table
+    from plcgen.ds47.catalogue import pages
 
     found = [device.parameters[pnu] for pnu in sorted(device.parameters)]
     header = ("parameter", "type", "type is", "unit", "name", "title")

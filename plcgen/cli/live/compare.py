@@ -14,9 +14,9 @@ from plcgen.cli.options import PATH, format_option, verb
 from plcgen.cli.ppi.connection import ask
 
 if TYPE_CHECKING:
-    from plcgen.display.results import Answer
-    from plcgen.output.registry import OutputFormat
-    from plcgen.protocols.ds47.plan.nouns import DrivePlan
+    from plcgen.base.display.results import Answer
+    from plcgen.ds47.plan.nouns import DrivePlan
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(
@@ -37,8 +37,8 @@ def command(*, spec: Path, given: tuple[str, ...], timeout: float, format_: Outp
     """
 
     def question() -> Answer:
-        from plcgen.protocols.ds47.live.comparison import compare_drives
-        from plcgen.protocols.ds47.live.connection import S7Connection
+        from plcgen.ds47.live.comparison import compare_drives
+        from plcgen.ds47.live.connection import S7Connection
 
         plan = drive_plan(spec)
         places = {key: read_partner(host, "--drive") for key, host in _by_drive(plan, given).items()}

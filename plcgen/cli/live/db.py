@@ -12,8 +12,8 @@ from plcgen.cli.options import PATH, format_option, verb
 from plcgen.cli.ppi.connection import ask
 
 if TYPE_CHECKING:
-    from plcgen.display.results import Answer
-    from plcgen.output.registry import OutputFormat
+    from plcgen.base.display.results import Answer
+    from plcgen.report.registry import OutputFormat
 
 _SLOTS = {"s7-300": 2, "s7-400": 3, "s7-1200": 1, "s7-1500": 1}
 """Where the CPU usually is; an S7-400 may have it elsewhere."""
@@ -42,9 +42,9 @@ def command(
 
     def question() -> Answer:
         from plcgen.cli.live.specs import drive_project
-        from plcgen.protocols.ds47.live.comparison import compare_buffers
-        from plcgen.protocols.ds47.live.connection import S7Connection
-        from plcgen.protocols.ds47.live.stored import compare_stored, stored
+        from plcgen.ds47.live.comparison import compare_buffers
+        from plcgen.ds47.live.connection import S7Connection
+        from plcgen.ds47.live.stored import compare_stored, stored
 
         project, plan = drive_project(spec)
         numbered = every or plan.target.v5

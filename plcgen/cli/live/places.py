@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 if TYPE_CHECKING:
-    from plcgen.diagnostics import Diagnostic
-    from plcgen.display.results import Answer
-    from plcgen.protocols.ds47.live.comparison import LiveRow
-    from plcgen.protocols.ds47.live.connection import S7Partner
+    from plcgen.base.diagnostics import Diagnostic
+    from plcgen.base.display.results import Answer
+    from plcgen.ds47.live.comparison import LiveRow
+    from plcgen.ds47.live.connection import S7Partner
 
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 
@@ -30,7 +30,7 @@ def timeout_option(verb: Callback) -> Callback:
 
 def read_partner(text: str, option: str, rack: int = 0, slot: int = 0) -> S7Partner:
     """``HOST`` or ``HOST:PORT``."""
-    from plcgen.protocols.ds47.live.connection import PORT, S7Partner
+    from plcgen.ds47.live.connection import PORT, S7Partner
 
     host, colon, port = text.strip().rpartition(":")
     if not colon:
@@ -46,11 +46,11 @@ def _is_port(text: str) -> bool:
 
 def comparison(kind: str, rows: Sequence[LiveRow], place_title: str, skipped: Sequence[str]) -> Answer:
     """Rows as a table and as data; what deviates or was not read is a diagnostic."""
-    from plcgen.diagnostics import Diagnostic, Span
-    from plcgen.display.data import diagnostics_data
-    from plcgen.display.results import Answer
-    from plcgen.display.table import text_table
-    from plcgen.protocols.ds47.live.comparison import DEVIATES, UNREAD
+    from plcgen.base.diagnostics import Diagnostic, Span
+    from plcgen.base.display.data import diagnostics_data
+    from plcgen.base.display.results import Answer
+    from plcgen.base.display.table import text_table
+    from plcgen.ds47.live.comparison import DEVIATES, UNREAD
 
     problems: list[Diagnostic] = []
     for row in rows:

@@ -13,10 +13,10 @@ from plcgen.cli.options import device_option, format_option, verb
 from plcgen.cli.ppi.connection import ask
 
 if TYPE_CHECKING:
-    from plcgen.display.results import Answer
-    from plcgen.output.registry import OutputFormat
-    from plcgen.protocols.ds47.device import Device, Parameter
-    from plcgen.protocols.ds47.live.parameters import ElementReading
+    from plcgen.base.display.results import Answer
+    from plcgen.ds47.device import Device, Parameter
+    from plcgen.ds47.live.parameters import ElementReading
+    from plcgen.report.registry import OutputFormat
 
 _MOST = 1000
 """Elements that one call reads."""
@@ -44,9 +44,9 @@ def command(
     where = read_partner(host, "--drive")
 
     def question() -> Answer:
-        from plcgen.protocols.ds47.devices import find_device
-        from plcgen.protocols.ds47.live.connection import S7Connection
-        from plcgen.protocols.ds47.live.parameters import read_parameter
+        from plcgen.ds47.devices import find_device
+        from plcgen.ds47.live.connection import S7Connection
+        from plcgen.ds47.live.parameters import read_parameter
 
         known = find_device(device) if device else None
         chosen = [_wanted(word, known) for word in arguments(words)]
@@ -64,10 +64,10 @@ def _wanted(word: Argument, device: Device | None) -> tuple[Parameter, Sequence[
     """Parameter and indexes of a word. Raises DiagnosticError that points at it."""
     from dataclasses import replace
 
-    from plcgen.protocols.ds47.device import Parameter
-    from plcgen.protocols.ds47.live.parameters import OBJECT_STEP
-    from plcgen.protocols.ds47.references import parse_reference, spelling_hint
-    from plcgen.protocols.ds47.types import TypeTextError, read_type
+    from plcgen.ds47.device import Parameter
+    from plcgen.ds47.live.parameters import OBJECT_STEP
+    from plcgen.ds47.references import parse_reference, spelling_hint
+    from plcgen.ds47.types import TypeTextError, read_type
 
     text, _, type_ = word.text.partition(":")
     reference = parse_reference(text)
@@ -94,7 +94,7 @@ def _known(
     word: Argument, text: str, name: str, pnu: int | None, device: Device | None, *, typed: bool
 ) -> Parameter | None:
     """What the catalogue says; None if the word has a type of its own and nothing is known."""
-    from plcgen.protocols.ds47.devices import device_names, find_device
+    from plcgen.ds47.devices import device_names, find_device
 
     if name and device is None:
         raise word.problem("PG703", f'"{text}" is a name, and names belong to a device', "say which one with --device")
@@ -133,11 +133,11 @@ def _type(parameter: Parameter) -> str:
 
 
 def _answer(where: str, object_: int, found: Sequence[ElementReading]) -> Answer:
-    from plcgen.diagnostics import Diagnostic, Span
-    from plcgen.display.data import diagnostics_data
-    from plcgen.display.results import Answer
-    from plcgen.display.table import text_table
-    from plcgen.protocols.ds47.catalogue.pages import label
+    from plcgen.base.diagnostics import Diagnostic, Span
+    from plcgen.base.display.data import diagnostics_data
+    from plcgen.base.display.results import Answer
+    from plcgen.base.display.table import text_table
+    from plcgen.ds47.catalogue.pages import label
 
     rows = [
         (f"{label(one.parameter)}[{one.index}]", one.text or "?", one.parameter.unit, one.data.hex(" ").upper(),

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plcgen.diagnostics import DiagnosticError
+from plcgen.base.diagnostics import DiagnosticError
 
 if TYPE_CHECKING:
+    from plcgen.ds47.plan.nouns import DrivePlan
     from plcgen.project.nouns import Project
-    from plcgen.protocols.ds47.plan.nouns import DrivePlan
 
 
 def drive_plan(spec: Path) -> DrivePlan:
@@ -22,7 +22,7 @@ def drive_plan(spec: Path) -> DrivePlan:
 def drive_project(spec: Path) -> tuple[Project, DrivePlan]:
     """The project of a spec, too. Raises as ``drive_plan`` does."""
     from plcgen import api
-    from plcgen.protocols.ds47.plan.nouns import DrivePlan
+    from plcgen.ds47.plan.nouns import DrivePlan
 
     checked = api.check(spec)
     if checked.project is None or not checked.ok:

@@ -6,10 +6,10 @@ import re
 from dataclasses import dataclass, field
 from itertools import pairwise
 
+from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.cli.hexbytes import HexError, HexText, hex_problem, parse_hex, strip_comment
-from plcgen.diagnostics import Diagnostic, Span
-from plcgen.protocols.ppi.wire.fdl import SD1, SD2, SD3, SD4
-from plcgen.protocols.ppi.wire.stream import split
+from plcgen.ppi.wire.fdl import SD1, SD2, SD3, SD4
+from plcgen.ppi.wire.stream import split
 
 SPELLINGS = "write bytes as 68 1B 1B 68, 681B1B68, 16#68 or 0x68; times and TX/RX at the start of a line are skipped"
 _TIME = r"[\[(]?[0-9][0-9:.,\-/T ]*[0-9][\])]?\s+"

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from plcgen.base.diagnostics import DiagnosticError
 from plcgen.cli.arguments import ARGUMENTS
 from plcgen.cli.options import console
-from plcgen.diagnostics import DiagnosticError
 
 if TYPE_CHECKING:
-    from plcgen.display.results import Answer
-    from plcgen.output.registry import OutputFormat
-    from plcgen.protocols.ppi.client import Client
-    from plcgen.protocols.ppi.symbols import SymbolTable
+    from plcgen.base.display.results import Answer
+    from plcgen.ppi.client import Client
+    from plcgen.ppi.symbols import SymbolTable
+    from plcgen.report.registry import OutputFormat
 
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 
@@ -58,7 +58,7 @@ def line_options(verb: Callback) -> Callback:
 
 def open_client(given: dict[str, Any], symbols: SymbolTable | None = None) -> Client:
     """Open the line of ``line_options``. Raises LineError; UsageError if both stations are the same."""
-    from plcgen.protocols.ppi.client import Client, Settings
+    from plcgen.ppi.client import Client, Settings
 
     station, source = given["station"], given["source"]
     if station == source:
@@ -69,16 +69,16 @@ def open_client(given: dict[str, Any], symbols: SymbolTable | None = None) -> Cl
 
 def station_answer(kind: str, text: str, /, **data: Any) -> Answer:
     """What a station said in one line."""
-    from plcgen.display.data import diagnostics_data
-    from plcgen.display.results import Answer
+    from plcgen.base.display.data import diagnostics_data
+    from plcgen.base.display.results import Answer
 
     return Answer({**diagnostics_data(kind, ()), **data}, lambda _view: f"station {data['station']}: {text}\n")
 
 
 def failure(kind: str, problem: DiagnosticError) -> Answer:
     """What kept a verb from its result."""
-    from plcgen.display.data import diagnostics_data
-    from plcgen.display.results import Answer
+    from plcgen.base.display.data import diagnostics_data
+    from plcgen.base.display.results import Answer
 
     return Answer(diagnostics_data(kind, problem.diagnostics), lambda _view: "", problem.diagnostics)
 

@@ -10,8 +10,8 @@ from plcgen.cli.options import format_option, verb
 from plcgen.cli.ppi.connection import ask, line_options, open_client, station_answer
 
 if TYPE_CHECKING:
-    from plcgen.display.results import Answer
-    from plcgen.output.registry import OutputFormat
+    from plcgen.base.display.results import Answer
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(

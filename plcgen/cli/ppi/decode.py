@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 import click
 
+from plcgen.base.diagnostics import Diagnostic, Severity, Span
 from plcgen.cli.arguments import ARGUMENTS
 from plcgen.cli.hexbytes import MAX_INPUT, STDIN, read_stdin, require_size
 from plcgen.cli.options import PATH, console, format_option, verb
-from plcgen.diagnostics import Diagnostic, Severity, Span
 
 if TYPE_CHECKING:
     from plcgen.cli.ppi.capture import Capture
-    from plcgen.output.registry import OutputFormat
-    from plcgen.protocols.ppi.texts import DecodedFrame
+    from plcgen.ppi.texts import DecodedFrame
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(
@@ -42,7 +42,7 @@ def command(*, hex_: tuple[str, ...], file: Path | None, tolerant: bool, short: 
     shown with the addresses of the request before it. Exit code 1 if anything is malformed.
     """
     from plcgen.cli.ppi.capture import SPELLINGS
-    from plcgen.protocols.ppi.texts import decode_pieces, telegrams_answer
+    from plcgen.ppi.texts import decode_pieces, telegrams_answer
 
     if hex_ and file is not None:
         raise click.UsageError("give the bytes as arguments or with --file, not both")
@@ -67,7 +67,7 @@ def _capture(hex_: Sequence[str], file: Path | None) -> tuple[Capture, dict[str,
     if file is None:
         data = read_stdin(", as --file")
         return capture_of(STDIN, data), {STDIN: data.decode("utf-8", "replace")}
-    from plcgen.input.files import read_bounded
+    from plcgen.base.files.files import read_bounded
 
     data = read_bounded(file, MAX_INPUT)
     require_size(data, str(file))

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 import click
 
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError
 from plcgen.cli.arguments import ARGUMENTS
 from plcgen.cli.options import console, format_option, verb
 from plcgen.cli.ppi.places import cpu_option, symbols_option
-from plcgen.diagnostics import Diagnostic, DiagnosticError
 
 if TYPE_CHECKING:
-    from plcgen.output.registry import OutputFormat
-    from plcgen.protocols.ppi.sim.profiles import CpuProfile
-    from plcgen.protocols.ppi.symbols import SymbolTable
-    from plcgen.protocols.ppi.wire.model import Request
+    from plcgen.ppi.sim.profiles import CpuProfile
+    from plcgen.ppi.symbols import SymbolTable
+    from plcgen.ppi.wire.model import Request
+    from plcgen.report.registry import OutputFormat
 
 _BARE = ("run", "stop", "setup", "poll")
 _WITH_ITEMS = ("read", "write", "force", "unforce")
@@ -73,10 +73,10 @@ def command(
     Addresses: VB100, VW100, VD100, V100.3, M0.0, SMB34, AIW0, T32, C5, HC0, VB100[20]; a type after a colon:
     VD100:REAL, VW100:INT, VB0[21]:STRING. German mnemonics (EB0, A0.0, Z5) work as well.
     """
+    from plcgen.base.display.data import diagnostics_data
+    from plcgen.base.display.results import Answer
     from plcgen.cli.ppi.places import find_profile, find_symbols, telegram_problems
-    from plcgen.display.data import diagnostics_data
-    from plcgen.display.results import Answer
-    from plcgen.protocols.ppi.wire.errors import PpiError
+    from plcgen.ppi.wire.errors import PpiError
 
     verb, rest = words[0].lower(), words[1:]
     _require_usage(verb, rest, first=first, fcb=fcb, stations=(station, source))
@@ -99,7 +99,7 @@ def command(
 
 
 def _require_usage(verb: str, rest: Sequence[str], *, first: bool, fcb: int | None, stations: tuple[int, int]) -> None:
-    from plcgen.diagnostics.suggest import did_you_mean
+    from plcgen.base.diagnostics.suggest import did_you_mean
 
     if verb not in (*_BARE, *_WITH_ITEMS):
         known = (*_WITH_ITEMS, *_BARE)
@@ -124,7 +124,7 @@ def _function(verb: str, *, first: bool, fcb: int | None) -> int:
 def _encode(
     verb: str, rest: Sequence[str], how: _How, cpu: CpuProfile | None, symbols: SymbolTable | None
 ) -> list[bytes]:
-    from plcgen.protocols.ppi.wire.telegram import encode_poll, encode_request
+    from plcgen.ppi.wire.telegram import encode_poll, encode_request
 
     stations = {"destination": how.station, "source": how.source}
     if verb == "poll":
@@ -141,9 +141,9 @@ def _requests(
     verb: str, rest: Sequence[str], how: _How, cpu: CpuProfile | None, symbols: SymbolTable | None
 ) -> Sequence[Request]:
     from plcgen.cli.ppi.places import read_assignments, read_places
-    from plcgen.protocols.ppi.wire import model
-    from plcgen.protocols.ppi.wire.areas import READ_LIMIT, WRITE_LIMIT
-    from plcgen.protocols.ppi.wire.pack import pack_read, pack_write
+    from plcgen.ppi.wire import model
+    from plcgen.ppi.wire.areas import READ_LIMIT, WRITE_LIMIT
+    from plcgen.ppi.wire.pack import pack_read, pack_write
 
     reference = how.reference
     bare: dict[str, Request] = {

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError
 from plcgen.cli.arguments import ARGUMENTS
 from plcgen.cli.options import console, stream_option, verb
 from plcgen.cli.output import OK, PROBLEMS, Console, is_terminal
 from plcgen.cli.ppi.connection import failure, line_options, open_client
 from plcgen.cli.ppi.places import cpu_option, symbols_option
-from plcgen.diagnostics import Diagnostic, DiagnosticError
 
 if TYPE_CHECKING:
-    from plcgen.protocols.ppi.client import Client, Reading
-    from plcgen.protocols.ppi.client.places import Place
+    from plcgen.ppi.client import Client, Reading
+    from plcgen.ppi.client.places import Place
 
 
 @verb(
@@ -56,7 +56,7 @@ def command(
     A station that does not answer is asked again; a lost line ends the command. Exit code 1 if the last read failed.
     """
     from plcgen.cli.ppi.places import find_profile, find_symbols, read_places
-    from plcgen.output.formats import json, text
+    from plcgen.report.formats import json, text
 
     try:
         table = find_symbols(symbols)
@@ -71,7 +71,7 @@ def command(
 def _watch(
     out: Console, client: Client, asked: Sequence[Place], how: tuple[float, int | None], *, as_json: bool
 ) -> int:
-    from plcgen.protocols.ppi.client import ClientError
+    from plcgen.ppi.client import ClientError
 
     interval, count = how
     screen = _Screen(out, as_json=as_json)
@@ -107,7 +107,7 @@ class _Screen:
 
     def show(self, readings: tuple[Reading, ...]) -> None:
         """Show one read."""
-        from plcgen.protocols.ppi.client.texts import reading_line, readings_row, readings_table
+        from plcgen.ppi.client.texts import reading_line, readings_row, readings_table
 
         clock = _clock()
         if self.as_json:
@@ -121,7 +121,7 @@ class _Screen:
 
     def missed(self, found: Sequence[Diagnostic]) -> None:
         """Show that a read failed; the values before stay on the screen."""
-        from plcgen.protocols.ppi.client.texts import readings_row, readings_table
+        from plcgen.ppi.client.texts import readings_row, readings_table
 
         if self.as_json:
             self.out.result(readings_row(_clock(), (), found))

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.cli.arguments import ARGUMENTS, Argument, arguments
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.protocols.ppi.wire.errors import PpiError
+from plcgen.ppi.wire.errors import PpiError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from plcgen.protocols.ppi.client.places import Place, PlaceError
-    from plcgen.protocols.ppi.sim.profiles import CpuProfile
-    from plcgen.protocols.ppi.symbols import SymbolTable
-    from plcgen.protocols.ppi.wire.model import Item, ItemWrite
+    from plcgen.ppi.client.places import Place, PlaceError
+    from plcgen.ppi.sim.profiles import CpuProfile
+    from plcgen.ppi.symbols import SymbolTable
+    from plcgen.ppi.wire.model import Item, ItemWrite
 
 Callback = TypeVar("Callback", bound=Callable[..., object])
 Result = TypeVar("Result")
@@ -43,8 +43,8 @@ def find_profile(key: str | None) -> CpuProfile | None:
     """Return the CPU of ``--cpu``. Raises DiagnosticError if there is none of that name."""
     if key is None:
         return None
-    from plcgen.diagnostics.suggest import did_you_mean
-    from plcgen.protocols.ppi.sim.profiles import profile, profiles
+    from plcgen.base.diagnostics.suggest import did_you_mean
+    from plcgen.ppi.sim.profiles import profile, profiles
 
     try:
         return profile(key)
@@ -58,7 +58,7 @@ def find_symbols(name: str | None) -> SymbolTable | None:
     """Return the table of ``--symbols``. Raises DiagnosticError with everything wrong in it."""
     if name is None:
         return None
-    from plcgen.protocols.ppi.symbols import load_symbols
+    from plcgen.ppi.symbols import load_symbols
 
     return load_symbols(Path(name))
 
@@ -67,7 +67,7 @@ def read_places(
     words: Sequence[str], symbols: SymbolTable | None, cpu: CpuProfile | None, limit: int | None = None
 ) -> list[Place]:
     """Read what is to be read; ``limit`` is the longest value. Raises DiagnosticError with every problem."""
-    from plcgen.protocols.ppi.client.places import parse_place
+    from plcgen.ppi.client.places import parse_place
 
     def read(argument: Argument) -> Place:
         place = parse_place(argument.text, symbols)
@@ -82,8 +82,8 @@ def read_assignments(
     words: Sequence[str], symbols: SymbolTable | None, cpu: CpuProfile | None, limit: int | None = None
 ) -> list[tuple[Place, ItemWrite]]:
     """Read what is to be written, see ``read_places``. Raises DiagnosticError with every problem, overlaps included."""
-    from plcgen.protocols.ppi.client.places import parse_assignment
-    from plcgen.protocols.ppi.wire.pack import require_apart
+    from plcgen.ppi.client.places import parse_assignment
+    from plcgen.ppi.wire.pack import require_apart
 
     def read(argument: Argument) -> tuple[Place, ItemWrite]:
         place, entry = parse_assignment(argument.text, symbols)
@@ -100,7 +100,7 @@ def read_assignments(
 
 
 def _each(words: Sequence[str], read: Callable[[Argument], Result]) -> list[Result]:
-    from plcgen.protocols.ppi.client.places import PlaceError
+    from plcgen.ppi.client.places import PlaceError
 
     found: list[Result] = []
     problems: list[Diagnostic] = []
@@ -119,7 +119,7 @@ def _diagnostic(problem: PlaceError, argument: Argument) -> Diagnostic:
 
 
 def _require_memory(item: Item, cpu: CpuProfile | None) -> None:
-    from plcgen.protocols.ppi.client.places import beyond
+    from plcgen.ppi.client.places import beyond
 
     error = beyond(item, cpu.sizes, cpu.title) if cpu is not None else None
     if error is not None:
@@ -127,7 +127,7 @@ def _require_memory(item: Item, cpu: CpuProfile | None) -> None:
 
 
 def _require_length(item: Item, limit: int | None) -> None:
-    from plcgen.protocols.ppi.client.places import too_long
+    from plcgen.ppi.client.places import too_long
 
     error = too_long(item, limit) if limit is not None else None
     if error is not None:
@@ -136,7 +136,7 @@ def _require_length(item: Item, limit: int | None) -> None:
 
 def telegram_problems(problem: PpiError) -> tuple[Diagnostic, ...]:
     """Return what keeps a telegram from being built, as diagnostics without a word to point at."""
-    from plcgen.protocols.ppi.wire.errors import Kind
+    from plcgen.ppi.wire.errors import Kind
 
     codes = {Kind.LIMIT: "PG715", Kind.ADDRESS: "PG716", Kind.EXPERIMENTAL: "PG716"}
     helps = {

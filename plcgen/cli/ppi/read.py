@@ -11,8 +11,8 @@ from plcgen.cli.ppi.connection import ask, line_options, open_client
 from plcgen.cli.ppi.places import cpu_option, symbols_option
 
 if TYPE_CHECKING:
-    from plcgen.display.results import Answer
-    from plcgen.output.registry import OutputFormat
+    from plcgen.base.display.results import Answer
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(
@@ -36,7 +36,7 @@ def command(
     bytes, words and double words are unsigned numbers. Exit code 1 if the station refuses an item.
     """
     from plcgen.cli.ppi.places import find_profile, find_symbols, read_places
-    from plcgen.protocols.ppi.client.texts import readings_answer
+    from plcgen.ppi.client.texts import readings_answer
 
     def question() -> Answer:
         table = find_symbols(symbols)

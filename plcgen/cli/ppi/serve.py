@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from plcgen.base.diagnostics.counting import quantity
 from plcgen.cli.options import PATH, console, stream_option, verb
 from plcgen.cli.output import OK, Console
 from plcgen.cli.ppi.places import find_symbols, symbols_option
-from plcgen.diagnostics.counting import quantity
 
 if TYPE_CHECKING:
-    from plcgen.line.model import Line
-    from plcgen.line.tcp import TcpServer
-    from plcgen.protocols.ppi.sim import Bus, Traffic
+    from plcgen.base.line.model import Line
+    from plcgen.base.line.tcp import TcpServer
+    from plcgen.ppi.sim import Bus, Traffic
 
 
 @verb(
@@ -80,12 +80,12 @@ def _bus(
     faults: Sequence[str],
 ) -> Bus:
     """Everything that was told about the stations, with all mistakes at once."""
-    from plcgen.diagnostics import DiagnosticError, Report
-    from plcgen.input.text import read_text
-    from plcgen.protocols.ppi.sim.bus import Bus
-    from plcgen.protocols.ppi.sim.fault_text import parse_fault
-    from plcgen.protocols.ppi.sim.load import load_bus, set_address
-    from plcgen.protocols.ppi.wire.address import address_text
+    from plcgen.base.diagnostics import DiagnosticError, Report
+    from plcgen.base.files.text import read_text
+    from plcgen.ppi.sim.bus import Bus
+    from plcgen.ppi.sim.fault_text import parse_fault
+    from plcgen.ppi.sim.load import load_bus, set_address
+    from plcgen.ppi.wire.address import address_text
 
     report = Report()
     bus = Bus()
@@ -107,22 +107,22 @@ def _bus(
 
 def _line(tcp: str | None, port: str | None, baud: int) -> Line | TcpServer:
     if tcp is not None:
-        from plcgen.line.tcp import TcpServer
+        from plcgen.base.line.tcp import TcpServer
 
         return TcpServer(tcp)
     if port is not None:
-        from plcgen.line.serial import SerialLine
+        from plcgen.base.line.serial import SerialLine
 
         return SerialLine(port, baud)
-    from plcgen.line.pty import PtyLine
+    from plcgen.base.line.pty import PtyLine
 
     return PtyLine()
 
 
 def _serve(bus: Bus, line: Line | TcpServer, show: _Show, idle: float) -> None:
     """Serve until SIGINT or SIGTERM; a second signal ends at once."""
-    from plcgen.line.tcp import TcpServer
-    from plcgen.protocols.ppi.sim.serve import serve_line, serve_tcp
+    from plcgen.base.line.tcp import TcpServer
+    from plcgen.ppi.sim.serve import serve_line, serve_tcp
 
     ended = False
 
@@ -148,7 +148,7 @@ class _Show:
     """What the verb says: the name of the line, frames if wanted, and chatter."""
 
     def __init__(self, out: Console, *, as_json: bool, log: bool) -> None:
-        from plcgen.protocols.ppi.traffic import TrafficText
+        from plcgen.ppi.traffic import TrafficText
 
         self.out, self.as_json, self.log = out, as_json, log
         self.text = TrafficText()

@@ -11,8 +11,8 @@ from plcgen.cli.ppi.connection import ask, line_options, open_client
 from plcgen.cli.ppi.places import cpu_option, symbols_option
 
 if TYPE_CHECKING:
-    from plcgen.display.results import Answer
-    from plcgen.output.registry import OutputFormat
+    from plcgen.base.display.results import Answer
+    from plcgen.report.registry import OutputFormat
 
 
 @verb(
@@ -45,7 +45,7 @@ def command(
     --yes-write.
     """
     from plcgen.cli.ppi.places import find_profile, find_symbols, read_assignments
-    from plcgen.protocols.ppi.client.texts import entries_text, written_answer
+    from plcgen.ppi.client.texts import entries_text, written_answer
 
     def question() -> Answer:
         entries = read_assignments(words, find_symbols(symbols), find_profile(cpu))

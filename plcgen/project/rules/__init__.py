@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from plcgen.diagnostics import Diagnostic, Report
+from plcgen.base.diagnostics import Diagnostic, Report
 from plcgen.project.nouns import Project
 from plcgen.project.rules import flags, languages, names, numbers
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, Note, Span
+from plcgen.base.diagnostics import Diagnostic, Note, Span
 from plcgen.project.rules.places import node_at
 from plcgen.project.spec import SpecPath
-from plcgen.s7.address import Address
+from plcgen.s7.types.address import Address
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, Severity
-from plcgen.diagnostics.suggest import did_you_mean
+from plcgen.base.diagnostics import Diagnostic, Severity
+from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.project.rules.places import node_at
 
 if TYPE_CHECKING:

@@ -6,16 +6,16 @@ import re
 from functools import partial
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, Note, Severity
-from plcgen.input.lookalikes import skeleton
+from plcgen.base.diagnostics import Diagnostic, Note, Severity
+from plcgen.base.files.lookalikes import skeleton
+from plcgen.project.part import Named
 from plcgen.project.rules.places import by_importance, key_or_value, name_span, node_at
-from plcgen.protocols.base import Named
-from plcgen.s7.names import ROLES, check_name, is_identifier
+from plcgen.s7.types.names import ROLES, check_name, is_identifier
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plcgen.diagnostics import Span
+    from plcgen.base.diagnostics import Span
     from plcgen.project.nouns import Project
     from plcgen.project.spec import SpecPath
 
@@ -72,7 +72,7 @@ def _taken(project: Project) -> Iterator[tuple[str, str, Span | None]]:
     """Names that blocks of a spec must not have: of what every project gets, and of tables and tags."""
     yield "Main", "the example OB1", None
     if project.target.v5:
-        from plcgen.s7.system import standard_library
+        from plcgen.s7.types.system import standard_library
 
         yield from ((name, "a block of the standard library", None) for name in sorted(standard_library()))
     for block in project.blocks:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, Note, Severity
+from plcgen.base.diagnostics import Diagnostic, Note, Severity
 from plcgen.project.rules.places import key_or_value, number_span
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from pydantic import BaseModel
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from plcgen.diagnostics import Span
-    from plcgen.input.yaml import YamlNode
+    from plcgen.base.diagnostics import Span
+    from plcgen.base.files.yaml import YamlNode
     from plcgen.project.nouns import BlockRef, Frame
     from plcgen.project.spec import SpecPath
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
-from plcgen.diagnostics import Diagnostic, Span
-from plcgen.input.files import read_bounded
+from plcgen.base.diagnostics import Diagnostic, Span
+from plcgen.base.files.files import read_bounded
 from plcgen.project.nouns import Project
 from plcgen.project.ownership import is_owned
 from plcgen.proof.checks import Check, Outcome, file_check
@@ -26,7 +26,7 @@ from plcgen.proof.wording.sheet import FILE as SHEET
 from plcgen.proof.wording.sheet import Said, check_sheet
 from plcgen.proof.wording.tags import check_symbols, check_tags
 from plcgen.proof.wording.watches import Watches
-from plcgen.s7.blocks import BlockKind
+from plcgen.s7.types.blocks import BlockKind
 
 MAX_BYTES = 16 * 1024 * 1024
 

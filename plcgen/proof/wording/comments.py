@@ -6,15 +6,15 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.input.files import read_bounded
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.base.files.files import read_bounded
 from plcgen.proof.folder import Folder
 from plcgen.proof.wording.model import Wording, agrees, stated_facts, unmarked
-from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
-from plcgen.s7.image import image
-from plcgen.s7.layout import layout_block
-from plcgen.s7.literals import LiteralError
-from plcgen.s7.types import Member, inner_members
+from plcgen.s7.layout.image import image
+from plcgen.s7.layout.layout import layout_block
+from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind
+from plcgen.s7.types.data_types import Member, inner_members
+from plcgen.s7.types.literals import LiteralError
 
 EMPTY = "every signal of every job is a flag"
 """What stands at the only member of a control DB in which no job has anything."""

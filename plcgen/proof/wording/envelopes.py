@@ -7,12 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from plcgen.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.project.nouns import Project
 from plcgen.proof.folder import Folder
 from plcgen.proof.wording.guides import CULTURES, cultures
 from plcgen.proof.wording.model import Wording, states, unmarked, untitled
-from plcgen.simaticml.reading.xml import child, children, load, local, parse_xml, span, text
+from plcgen.s7.xml.reading.xml import child, children, load, local, parse_xml, span, text
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator, Sequence
 
 from plcgen._version import __version__
-from plcgen.input.files import read_bounded
+from plcgen.base.files.files import read_bounded
 from plcgen.project.nouns import Project
 from plcgen.project.ownership import is_owned
 from plcgen.proof.folder import Folder

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 from plcgen.project.nouns import Project
 from plcgen.proof.folder import Folder
 from plcgen.proof.wording.model import Wording, agrees, stated_facts, unmarked
-from plcgen.s7.blocks import Block, SectionKind
-from plcgen.s7.types import ArrayType, Elementary
+from plcgen.s7.types.blocks import Block, SectionKind
+from plcgen.s7.types.data_types import ArrayType, Elementary
 
 VERSION = "0.1"
 START_INFORMATION = 20

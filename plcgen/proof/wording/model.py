@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from plcgen.project.nouns import PlannedJob
-from plcgen.s7.blocks import Block
+from plcgen.s7.types.blocks import Block
 
 _MARKS = ("(*", "*)", "//", "/*", "*/", "'", "{", "}", ";", '"')
 """What a title must not contain: it would begin or end something else."""

@@ -7,14 +7,14 @@ import struct
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from plcgen.diagnostics import DiagnosticError
+from plcgen.base.diagnostics import DiagnosticError
 from plcgen.project.nouns import Project
 from plcgen.proof.folder import Folder, table_rows
 from plcgen.proof.wording.model import Wording, unmarked, untitled
-from plcgen.s7.blocks import Block, BlockKind
-from plcgen.s7.layout import Entry, Layout, layout_block
-from plcgen.s7.spelling import type_text
-from plcgen.s7.types import Elementary, Member, inner_members
+from plcgen.s7.layout.layout import Entry, Layout, layout_block
+from plcgen.s7.types.blocks import Block, BlockKind
+from plcgen.s7.types.data_types import Elementary, Member, inner_members
+from plcgen.s7.types.spelling import type_text
 
 FILE = "LAYOUT.md"
 _STANDARD = "Standard access, big-endian; offsets in bytes."

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from plcgen.project.nouns import Project
 from plcgen.proof.wording.model import Wording, agrees, unmarked
-from plcgen.s7.address import Address
+from plcgen.s7.types.address import Address
 
 _COLUMNS, _LONGEST = 4, 80
 """Columns of a tag or a symbol; characters of the comment of a symbol."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from plcgen.project.nouns import Project
 from plcgen.proof.folder import Folder
 from plcgen.proof.wording.model import Wording
-from plcgen.s7.blocks import BlockKind
+from plcgen.s7.types.blocks import BlockKind
 
 SCRIPT, WORKBOOK = "the script was not run against a TIA Portal", "the workbook was not imported into a TIA Portal"
 WATCH = "watch tables follow the Openness manual; no genuine export was available to compare with"

@@ -6,17 +6,17 @@ import csv
 import re
 from collections.abc import Iterator, Sequence
 
-from plcgen.diagnostics import DiagnosticError
+from plcgen.base.diagnostics import DiagnosticError
 from plcgen.project.nouns import Project
 from plcgen.proof.folder import Folder
 from plcgen.proof.wording.model import Shown, Wording
 from plcgen.proof.wording.sheet import literal_bytes
-from plcgen.s7.address import Address
-from plcgen.s7.blocks import Block
-from plcgen.s7.image import image
-from plcgen.s7.layout import Entry, Layout, layout_block, locate
-from plcgen.s7.literals import LiteralError
-from plcgen.s7.types import Elementary, inner_members
+from plcgen.s7.layout.image import image
+from plcgen.s7.layout.layout import Entry, Layout, layout_block, locate
+from plcgen.s7.types.address import Address
+from plcgen.s7.types.blocks import Block
+from plcgen.s7.types.data_types import Elementary, inner_members
+from plcgen.s7.types.literals import LiteralError
 
 _PLACE = re.compile(r'"([^"]+)"(?:\.(.+))?')
 _COLUMNS = 4

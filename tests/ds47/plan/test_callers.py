@@ -8,15 +8,15 @@ import pytest
 
 from bench.specs import PLCS, grid
 from plcgen import api
-from plcgen.inspection.memory.estimate import estimate
+from plcgen.ds47.plan import callers
+from plcgen.ds47.plan.callers import CHANNEL, GATE, Footprint, footprint
+from plcgen.ds47.plan.nouns import DrivePlan
 from plcgen.project.nouns import Project
 from plcgen.project.opening import open_spec
 from plcgen.proof.checks import Outcome
-from plcgen.protocols.ds47.plan import callers
-from plcgen.protocols.ds47.plan.callers import CHANNEL, GATE, Footprint, footprint
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.s7.layout import layout_block
-from plcgen.sources.blocks import read_sources
+from plcgen.s7.layout.layout import layout_block
+from plcgen.s7.memory.estimate import estimate
+from plcgen.s7.read.blocks import read_sources
 
 LARGEST = 64 * 1024
 """Bytes of a code block of an S7-300/400, and of a DB with standard access (specs/cpus/s7.yaml)."""

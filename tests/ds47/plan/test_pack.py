@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.protocols.ds47.device import Parameter
-from plcgen.protocols.ds47.plan.nouns import Use
-from plcgen.protocols.ds47.plan.pack import longest_response, negative_length, pack, positive_length, request_length
-from plcgen.protocols.ds47.wire.formats import by_name
+from plcgen.ds47.device import Parameter
+from plcgen.ds47.plan.nouns import Use
+from plcgen.ds47.plan.pack import longest_response, negative_length, pack, positive_length, request_length
+from plcgen.ds47.wire.formats import by_name
 
 
 def use(type_: str, count: int = 1, position: int = 1) -> Use:

@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.cpu.program import Program
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
+from plcgen.ds47.proof.plant import Plant
 from plcgen.project.nouns import Project
 from plcgen.project.opening import open_spec
 from plcgen.proof.rig import ProgramBench
-from plcgen.protocols.ds47.plan.nouns import DriveJob, DrivePlan
-from plcgen.protocols.ds47.proof.plant import Plant
+from plcgen.s7.cpu.program import Program
 
 TARGETS = {
     "v5": ("s7-300", "step7-v5", "address"),

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from plcgen.protocols.ds47.plan.nouns import DriveJob
-from plcgen.protocols.ds47.proof.plant import Plant
+from plcgen.ds47.plan.nouns import DriveJob
+from plcgen.ds47.proof.plant import Plant
 
 
 def job_of(plant: Plant, key: str) -> DriveJob:

@@ -8,9 +8,9 @@ import pytest
 from ds47.proof.playing import sent
 
 from plcgen import api
-from plcgen.protocols.ds47.proof.plant import Plant
-from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.proof.words import WORDS
+from plcgen.ds47.proof.plant import Plant
+from plcgen.ds47.proof.scenario import DriveScenario
+from plcgen.ds47.proof.words import WORDS
 
 HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-s120, hardware_id: 270}}\n"
 SPEC = """

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from plcgen.protocols.ds47.proof.plant import Plant
-from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
+from plcgen.ds47.proof.plant import Plant
+from plcgen.ds47.proof.scenario import DriveScenario
+from plcgen.ds47.sim.faults import Fault, FaultKind
 
 SPEC = """
 drives: {axis: {device: sinamics-s120, ID: 281, drive_object: 3}}

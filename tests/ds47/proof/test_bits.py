@@ -8,12 +8,12 @@ import pytest
 from ds47.proof.playing import job_of, sent, status_of
 
 from plcgen import api
-from plcgen.protocols.ds47.live.comparison import compare_drives
-from plcgen.protocols.ds47.live.connection import Reader
-from plcgen.protocols.ds47.proof.plant import Plant
-from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.sheet import review_sheet
-from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
+from plcgen.ds47.live.comparison import compare_drives
+from plcgen.ds47.live.connection import Reader
+from plcgen.ds47.proof.plant import Plant
+from plcgen.ds47.proof.scenario import DriveScenario
+from plcgen.ds47.sheet import review_sheet
+from plcgen.ds47.sim.faults import Fault, FaultKind
 
 SPEC = """
 drives:

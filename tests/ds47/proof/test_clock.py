@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from plcgen import api
-from plcgen.protocols.ds47.proof.plant import Plant
-from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.ds47.proof.plant import Plant
+from plcgen.ds47.proof.scenario import DriveScenario
 
 SPEC = """
 drives: {control: {device: sinamics-s120, ID: 280, drive_object: 1}}

@@ -9,10 +9,10 @@ import pytest
 from ds47.proof.playing import job_of, sent, status_of
 
 from plcgen import api
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ds47.proof.plant import Plant
-from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
+from plcgen.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.proof.plant import Plant
+from plcgen.ds47.proof.scenario import DriveScenario
+from plcgen.ds47.sim.faults import Fault, FaultKind
 
 HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-g120, hardware_id: 270}}\n"
 SPEC = """

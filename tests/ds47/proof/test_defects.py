@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import pytest
 
-from plcgen.cpu.cpu import Cpu
-from plcgen.cpu.folder import load_folder
-from plcgen.cpu.system.bus import Periphery
+from plcgen.ds47.proof.conduct import JobConduct
+from plcgen.ds47.proof.contents import held
+from plcgen.ds47.proof.instances import Trio
+from plcgen.ds47.proof.plant import Plant
+from plcgen.ds47.proof.rig import JobRig
+from plcgen.ds47.proof.scenario import DriveScenario
+from plcgen.ds47.proof.stimulus import shape_fb
+from plcgen.ds47.proof.words import DONE, WORDS
+from plcgen.ds47.sim.bench import build_unit
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import ScenarioError
-from plcgen.protocols.ds47.proof.conduct import JobConduct
-from plcgen.protocols.ds47.proof.contents import held
-from plcgen.protocols.ds47.proof.instances import Trio
-from plcgen.protocols.ds47.proof.plant import Plant
-from plcgen.protocols.ds47.proof.rig import JobRig
-from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.proof.stimulus import shape_fb
-from plcgen.protocols.ds47.proof.words import DONE, WORDS
-from plcgen.protocols.ds47.sim.bench import build_unit
-from plcgen.scl.classic import Spelling, respell
-from plcgen.scl.dialect import Dialect
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.folder import load_folder
+from plcgen.s7.cpu.system.bus import Periphery
+from plcgen.s7.scl.classic import Spelling, respell
+from plcgen.s7.scl.dialect import Dialect
 
 TWO_JOBS = """
 drives: {mm: {device: micromaster-4, ID: 256, drive_object: 0}}

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from plcgen.diagnostics import Report
+from plcgen.base.diagnostics import Report
+from plcgen.base.resources import specs_dir
+from plcgen.ds47.devices import read_profile
 from plcgen.project.loading import load_spec
 from plcgen.project.resolve import resolve
 from plcgen.proof.ledger import Assumption, Grade
-from plcgen.protocols.ds47.devices import read_profile
-from plcgen.resources import specs_dir
 
 SPEC = """
 plc: {name: Ledger, family: s7-300, toolchain: tia-v16}
@@ -95,7 +95,7 @@ def test_a_statement_that_no_document_makes_has_none_as_its_source(
     assert old in shipped
     profile = tmp_path / "sinamics-s120.yaml"
     profile.write_text(shipped.replace(old, new, 1), "utf-8")
-    monkeypatch.setattr("plcgen.protocols.ds47.devices._shipped_device", lambda key: read_profile(profile, key))
+    monkeypatch.setattr("plcgen.ds47.devices._shipped_device", lambda key: read_profile(profile, key))
     (tmp_path / "job.yaml").write_text(S120, "utf-8")
     found = {one.text: one for one in ledger(tmp_path / "job.yaml")}
     assert found[text].grade is grade

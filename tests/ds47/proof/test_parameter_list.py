@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from plcgen.protocols.ds47.catalogue.own_list import OwnList, read_own_list
-from plcgen.protocols.ds47.proof.plant import Plant
-from plcgen.protocols.ds47.proof.scenario import DriveScenario
+from plcgen.ds47.catalogue.own_list import OwnList, read_own_list
+from plcgen.ds47.proof.plant import Plant
+from plcgen.ds47.proof.scenario import DriveScenario
 
 SPEC = """
 drives: {axis: {device: sinamics-s120, ID: 281, drive_object: 3}}

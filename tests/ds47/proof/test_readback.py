@@ -9,13 +9,13 @@ import pytest
 from ds47.proof.playing import job_of, sent, status_of
 
 from plcgen import api
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ds47.proof.plant import Plant
-from plcgen.protocols.ds47.proof.rig import JobRig
-from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.proof.stimulus import UNITS
-from plcgen.protocols.ds47.proof.words import GRANT, WORDS
-from plcgen.protocols.ds47.sim.parameters import Keeps
+from plcgen.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.proof.plant import Plant
+from plcgen.ds47.proof.rig import JobRig
+from plcgen.ds47.proof.scenario import DriveScenario
+from plcgen.ds47.proof.stimulus import UNITS
+from plcgen.ds47.proof.words import GRANT, WORDS
+from plcgen.ds47.sim.parameters import Keeps
 
 HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-g120, hardware_id: 270}}\n"
 SPEC = """

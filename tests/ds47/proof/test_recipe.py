@@ -9,11 +9,11 @@ import pytest
 from ds47.proof.playing import ended, job_of, sent
 
 from plcgen import api
+from plcgen.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.proof.plant import Plant
+from plcgen.ds47.proof.scenario import DriveScenario
+from plcgen.ds47.sim.faults import Fault, FaultKind
 from plcgen.proof.rig import Members
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ds47.proof.plant import Plant
-from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 
 SPEC = """
 drives:

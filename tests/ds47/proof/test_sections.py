@@ -8,17 +8,17 @@ import pytest
 
 from bench.specs import grid
 from plcgen import api
-from plcgen.cpu.program import Program
+from plcgen.ds47.plan import callers
+from plcgen.ds47.plan.callers import Footprint
+from plcgen.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.proof import sections, together
+from plcgen.ds47.proof.suite import DriveSuite
 from plcgen.project.opening import open_spec
 from plcgen.proof.coverage import cover
 from plcgen.proof.execution import run_procedure
 from plcgen.proof.results import Result, added
 from plcgen.proof.rig import ProgramBench
-from plcgen.protocols.ds47.plan import callers
-from plcgen.protocols.ds47.plan.callers import Footprint
-from plcgen.protocols.ds47.plan.nouns import DrivePlan
-from plcgen.protocols.ds47.proof import sections, together
-from plcgen.protocols.ds47.proof.suite import DriveSuite
+from plcgen.s7.cpu.program import Program
 
 
 def planned(text: str, folder: Path) -> DrivePlan:

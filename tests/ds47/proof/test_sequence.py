@@ -8,12 +8,12 @@ import pytest
 from ds47.proof.playing import job_of, sent
 
 from plcgen import api
+from plcgen.ds47.proof.plant import Plant
+from plcgen.ds47.proof.scenario import DriveScenario
+from plcgen.ds47.sim.faults import Fault, FaultKind
 from plcgen.proof.execution import Work, coverage, run_job
 from plcgen.proof.results import added
 from plcgen.proof.rig import ProgramBench
-from plcgen.protocols.ds47.proof.plant import Plant
-from plcgen.protocols.ds47.proof.scenario import DriveScenario
-from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
 
 SPEC = """
 drives:

@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.cpu.folder import FolderParts, read_parts
+from plcgen.ds47.proof.stated.checks import stated_checks
 from plcgen.project.opening import open_spec
 from plcgen.proof.checks import Check
-from plcgen.protocols.ds47.proof.stated.checks import stated_checks
-from plcgen.scl.dialect import Dialect
+from plcgen.s7.cpu.folder import FolderParts, read_parts
+from plcgen.s7.scl.dialect import Dialect
 
 SPEC = """\
 plc: {name: Stated, family: s7-1500, toolchain: tia-v19}

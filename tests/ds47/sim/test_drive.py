@@ -2,10 +2,10 @@
 
 import pytest
 
-from plcgen.protocols.ds47.sim.behaviour import Behaviour
-from plcgen.protocols.ds47.sim.drive import ChannelState, Drive, RecordExchange
-from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter, ValueLimits
-from plcgen.protocols.ds47.wire import formats
+from plcgen.ds47.sim.behaviour import Behaviour
+from plcgen.ds47.sim.drive import ChannelState, Drive, RecordExchange
+from plcgen.ds47.sim.parameters import DriveObject, SimulatedParameter, ValueLimits
+from plcgen.ds47.wire import formats
 
 WORD = formats.by_name("Unsigned16")
 REAL = formats.by_name("FloatingPoint")

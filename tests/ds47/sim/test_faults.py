@@ -2,11 +2,11 @@
 
 import pytest
 
-from plcgen.protocols.ds47.sim.behaviour import Behaviour
-from plcgen.protocols.ds47.sim.drive import ChannelState, Drive
-from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
-from plcgen.protocols.ds47.sim.parameters import DriveObject, SimulatedParameter
-from plcgen.protocols.ds47.wire import formats
+from plcgen.ds47.sim.behaviour import Behaviour
+from plcgen.ds47.sim.drive import ChannelState, Drive
+from plcgen.ds47.sim.faults import Fault, FaultKind
+from plcgen.ds47.sim.parameters import DriveObject, SimulatedParameter
+from plcgen.ds47.wire import formats
 
 WORD = formats.by_name("Unsigned16")
 READ = bytes.fromhex("07 01 01 01 10 01 00 01 00 00")

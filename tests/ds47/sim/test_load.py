@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from plcgen.diagnostics import DiagnosticError
-from plcgen.protocols.ds47.sim.behaviour import Behaviour
-from plcgen.protocols.ds47.sim.faults import Fault, FaultKind
-from plcgen.protocols.ds47.sim.load import (
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.ds47.sim.behaviour import Behaviour
+from plcgen.ds47.sim.faults import Fault, FaultKind
+from plcgen.ds47.sim.load import (
     BehaviourKeys,
     DriveKeys,
     FaultKeys,
@@ -18,7 +18,7 @@ from plcgen.protocols.ds47.sim.load import (
     Refusal,
     load_drive,
 )
-from plcgen.protocols.ds47.sim.parameters import Condition, ValueLimits
+from plcgen.ds47.sim.parameters import Condition, ValueLimits
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "drive-yaml.md"
 MINIMAL = "objects: [{number: 1, parameters: [{pnu: 1, type: Unsigned16, value: 5}]}]\n"

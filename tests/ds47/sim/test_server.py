@@ -2,10 +2,10 @@
 
 import pytest
 
-from plcgen.protocols.ds47.sim.behaviour import Behaviour
-from plcgen.protocols.ds47.sim.drive import Drive
-from plcgen.protocols.ds47.sim.parameters import Condition, DriveObject, SimulatedParameter, ValueLimits
-from plcgen.protocols.ds47.wire import formats
+from plcgen.ds47.sim.behaviour import Behaviour
+from plcgen.ds47.sim.drive import Drive
+from plcgen.ds47.sim.parameters import Condition, DriveObject, SimulatedParameter, ValueLimits
+from plcgen.ds47.wire import formats
 
 WORD = formats.by_name("Unsigned16")
 BYTE = formats.by_name("Unsigned8")

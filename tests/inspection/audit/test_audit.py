@@ -13,9 +13,9 @@ import pytest
 from projects import FAQ, SPECS, generated_example
 
 import plcgen
-from plcgen.display.view import PLAIN
-from plcgen.output.registry import output_format
+from plcgen.base.display.view import PLAIN
 from plcgen.proof.checks import Outcome
+from plcgen.report.registry import output_format
 
 HERE = Path(__file__).parent / "faq"
 

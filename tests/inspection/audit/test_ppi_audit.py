@@ -13,7 +13,7 @@ from projects import SPECS, generated_example
 from yaml_files import read_yaml
 
 import plcgen
-from plcgen.diagnostics.codes import all_codes
+from plcgen.base.diagnostics.codes import all_codes
 from plcgen.proof.checks import Outcome
 
 HERE = Path(__file__).parent / "ppi"

@@ -11,12 +11,12 @@ from projects import FAQ, ROOT
 from yaml_files import read_yaml
 
 import plcgen
-from plcgen.diagnostics import DiagnosticError
-from plcgen.display.view import View
-from plcgen.inspection.compare.model import Comparison
-from plcgen.inspection.compare.policy import KINDS, Level, fails
-from plcgen.inspection.compare.policyfile import load_policy
-from plcgen.output.registry import output_format
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.base.display.view import View
+from plcgen.report.registry import output_format
+from plcgen.s7.compare.model import Comparison
+from plcgen.s7.compare.policy import KINDS, Level, fails
+from plcgen.s7.compare.policyfile import load_policy
 
 CASES = read_yaml((ROOT / "tests" / "vectors" / "diff.yaml").read_text("utf-8"))
 GOLDEN = ROOT / "examples" / FAQ.stem / "expected"

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass, field
 
-from plcgen.line.endpoint import EndpointLine
-from plcgen.protocols.ppi.client import Client, Settings
-from plcgen.protocols.ppi.sim import Bus, Station
+from plcgen.base.line.endpoint import EndpointLine
+from plcgen.ppi.client import Client, Settings
+from plcgen.ppi.sim import Bus, Station
 
 
 def connect(faults=(), *, values=None, symbols=None, settings=None, **station):

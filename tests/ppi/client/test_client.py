@@ -5,11 +5,11 @@ import math
 import pytest
 from ppi.client.support import connect
 
-from plcgen.diagnostics import DiagnosticError
-from plcgen.protocols.ppi.client import RefusedError
-from plcgen.protocols.ppi.symbols import parse_symbols
-from plcgen.protocols.ppi.wire.model import ReadRequest, VariableFrame
-from plcgen.protocols.ppi.wire.pdu import decode_pdu
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.ppi.client import RefusedError
+from plcgen.ppi.symbols import parse_symbols
+from plcgen.ppi.wire.model import ReadRequest, VariableFrame
+from plcgen.ppi.wire.pdu import decode_pdu
 
 
 def requests(bus):
@@ -149,7 +149,7 @@ def test_a_smaller_pdu_is_kept_to():
 
 def test_run_refused_by_the_selector():
     """With the mode selector at STOP the CPU refuses: 8001h."""
-    from plcgen.protocols.ppi.sim.cpu import Switch
+    from plcgen.ppi.sim.cpu import Switch
 
     client, _, _, _ = connect(switch=Switch.STOP)
     with pytest.raises(RefusedError) as caught:

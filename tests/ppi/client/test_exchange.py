@@ -5,12 +5,12 @@ import math
 import pytest
 from ppi.client.support import connect, scripted
 
-from plcgen.line.endpoint import EndpointLine
-from plcgen.line.model import LineLostError
-from plcgen.protocols.ppi.client import Client, ClientError, NoAnswerError, RefusedError, Settings
-from plcgen.protocols.ppi.sim import Fault, FaultKind
-from plcgen.protocols.ppi.wire.fdl import encode_frame
-from plcgen.protocols.ppi.wire.model import VariableFrame
+from plcgen.base.line.endpoint import EndpointLine
+from plcgen.base.line.model import LineLostError
+from plcgen.ppi.client import Client, ClientError, NoAnswerError, RefusedError, Settings
+from plcgen.ppi.sim import Fault, FaultKind
+from plcgen.ppi.wire.fdl import encode_frame
+from plcgen.ppi.wire.model import VariableFrame
 
 READ = "68 1B 1B 68 02 00 {fc} 32 01 00 00 00 01 00 0E 00 00 04 01 12 0A 10 02 00 01 00 01 84 00 03 20 {fcs} 16"
 ANSWER = bytes.fromhex("68 16 16 68 00 02 08 32 03 00 00 00 01 00 02 00 05 00 00 04 01 FF 04 00 08 22 79 16")
@@ -81,7 +81,7 @@ def test_what_a_line_does_for_a_while(fault):
     executed = plc.executed
     client, plc, bus, _ = connect([], values={"VB100": 0x22})
     client.read("VB0")
-    from plcgen.protocols.ppi.sim.fault_text import parse_fault
+    from plcgen.ppi.sim.fault_text import parse_fault
 
     bus.faults.append(parse_fault(fault))
     assert [reading.value for reading in client.read("VB100")] == [0x22]

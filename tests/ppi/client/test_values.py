@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.protocols.ppi.client.places import PlaceError, parse_assignment, parse_place
-from plcgen.protocols.ppi.client.values import pack_item, unpack
-from plcgen.protocols.ppi.wire.address import parse_item
+from plcgen.ppi.client.places import PlaceError, parse_assignment, parse_place
+from plcgen.ppi.client.values import pack_item, unpack
+from plcgen.ppi.wire.address import parse_item
 
 
 @pytest.mark.parametrize(

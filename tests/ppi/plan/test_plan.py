@@ -10,10 +10,10 @@ from projects import ROOT
 from yaml_files import read_yaml
 
 from plcgen import api
+from plcgen.ppi.plan.fields import request_fields
+from plcgen.ppi.plan.nouns import PpiPlan
 from plcgen.proof.folder import read_folder
-from plcgen.protocols.ppi.plan.fields import request_fields
-from plcgen.protocols.ppi.plan.nouns import PpiPlan
-from plcgen.s7.image import image
+from plcgen.s7.layout.image import image
 
 VECTORS = read_yaml((ROOT / "tests" / "vectors" / "ppi.yaml").read_text("utf-8"))["frames"]
 TARGETS = {

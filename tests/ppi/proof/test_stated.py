@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.diagnostics import Diagnostic
+from plcgen.base.diagnostics import Diagnostic
+from plcgen.ppi.plan.nouns import PpiPlan
+from plcgen.ppi.proof.stated.checks import stated_checks
 from plcgen.project.opening import open_spec
 from plcgen.proof.rig import ProgramBench
-from plcgen.protocols.ppi.plan.nouns import PpiPlan
-from plcgen.protocols.ppi.proof.stated.checks import stated_checks
 
 TANKS = """
 plc: {name: Tanks, family: s7-1200, toolchain: tia-v19}

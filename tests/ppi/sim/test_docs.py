@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from plcgen.protocols.ppi.sim.faults import FaultKind
-from plcgen.protocols.ppi.sim.load import SingleKeys, load_bus
-from plcgen.protocols.ppi.sim.profiles import profiles
+from plcgen.ppi.sim.faults import FaultKind
+from plcgen.ppi.sim.load import SingleKeys, load_bus
+from plcgen.ppi.sim.profiles import profiles
 
 PAGE = (Path(__file__).parents[3] / "docs" / "s7-200.md").read_text("utf-8")
 

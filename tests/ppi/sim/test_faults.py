@@ -7,14 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from s7_200_talk import E5, Talk
 
-from plcgen.diagnostics import DiagnosticError
-from plcgen.line.endpoint import Clock, EndpointLine
-from plcgen.protocols.ppi.sim import Bus, Fault, FaultKind, Station, Traffic
-from plcgen.protocols.ppi.sim.fault_text import parse_fault
-from plcgen.protocols.ppi.wire.areas import Area
-from plcgen.protocols.ppi.wire.errors import Kind, PpiError
-from plcgen.protocols.ppi.wire.model import ErrorReply, Item, ReadRequest
-from plcgen.protocols.ppi.wire.telegram import decode_telegram, encode_poll, encode_request
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.base.line.endpoint import Clock, EndpointLine
+from plcgen.ppi.sim import Bus, Fault, FaultKind, Station, Traffic
+from plcgen.ppi.sim.fault_text import parse_fault
+from plcgen.ppi.wire.areas import Area
+from plcgen.ppi.wire.errors import Kind, PpiError
+from plcgen.ppi.wire.model import ErrorReply, Item, ReadRequest
+from plcgen.ppi.wire.telegram import decode_telegram, encode_poll, encode_request
 
 READ = ReadRequest(7, (Item.memory(Area.V, 100),))
 REQUEST = encode_request(READ)

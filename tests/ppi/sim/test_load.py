@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from plcgen.diagnostics import DiagnosticError
-from plcgen.protocols.ppi.sim.cpu import Mode, Service, Switch
-from plcgen.protocols.ppi.sim.faults import Fault, FaultKind
-from plcgen.protocols.ppi.sim.load import load_bus, set_address
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.ppi.sim.cpu import Mode, Service, Switch
+from plcgen.ppi.sim.faults import Fault, FaultKind
+from plcgen.ppi.sim.load import load_bus, set_address
 
 PLANT = """\
 stations:

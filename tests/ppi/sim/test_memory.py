@@ -7,13 +7,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from s7_200_talk import Talk
 
-from plcgen.protocols.ppi.sim import Bus, Station
-from plcgen.protocols.ppi.sim.cpu import BY_LEVEL, Mode, Service
-from plcgen.protocols.ppi.sim.profiles import profile, profiles
-from plcgen.protocols.ppi.wire.address import PpiAddressError
-from plcgen.protocols.ppi.wire.areas import Area, ReturnCode, TransportSize
-from plcgen.protocols.ppi.wire.codes import header_error
-from plcgen.protocols.ppi.wire.model import (
+from plcgen.ppi.sim import Bus, Station
+from plcgen.ppi.sim.cpu import BY_LEVEL, Mode, Service
+from plcgen.ppi.sim.profiles import profile, profiles
+from plcgen.ppi.wire.address import PpiAddressError
+from plcgen.ppi.wire.areas import Area, ReturnCode, TransportSize
+from plcgen.ppi.wire.codes import header_error
+from plcgen.ppi.wire.model import (
     AckReply,
     ErrorReply,
     ForceRequest,
@@ -110,7 +110,7 @@ def test_a_cpu_is_found_by_the_ways_people_call_it() -> None:
 )
 def test_return_codes(talk: Talk, item: Item, code: int) -> None:
     """One bad item leaves its neighbour alone, in reads and in writes."""
-    from plcgen.protocols.ppi.wire.pdu import encode_pdu
+    from plcgen.ppi.wire.pdu import encode_pdu
 
     good = Item.memory(Area.M, 5)
     request = bytearray(encode_pdu(ReadRequest(7, (good, good))))
@@ -181,7 +181,7 @@ def test_a_refused_item_does_not_stop_the_others(talk: Talk) -> None:
 
 def test_a_value_of_the_wrong_size_is_refused(talk: Talk) -> None:
     """The item says word, the value has one byte."""
-    from plcgen.protocols.ppi.wire.pdu import encode_pdu
+    from plcgen.ppi.wire.pdu import encode_pdu
 
     request = bytearray(encode_pdu(WriteRequest(7, (ItemWrite(Item.memory(Area.V, 0), b"\x55"),))))
     request[15] = TransportSize.WORD

@@ -9,8 +9,8 @@ from __future__ import annotations
 import pytest
 from s7_200_talk import E5
 
-from plcgen.protocols.ppi.sim import Bus, Station
-from plcgen.protocols.ppi.sim.cpu import Mode
+from plcgen.ppi.sim import Bus, Station
+from plcgen.ppi.sim.cpu import Mode
 
 
 class Client:

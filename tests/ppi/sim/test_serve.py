@@ -9,14 +9,14 @@ from typing import Any
 
 import pytest
 
-from plcgen.line.opening import open_line
-from plcgen.line.pty import PtyLine
-from plcgen.line.tcp import TcpServer, parse_endpoint
-from plcgen.protocols.ppi.sim import Bus, Station
-from plcgen.protocols.ppi.sim.serve import MOST_CONNECTIONS, Serving
-from plcgen.protocols.ppi.wire.areas import Area
-from plcgen.protocols.ppi.wire.model import Item, ReadRequest
-from plcgen.protocols.ppi.wire.telegram import encode_poll, encode_request
+from plcgen.base.line.opening import open_line
+from plcgen.base.line.pty import PtyLine
+from plcgen.base.line.tcp import TcpServer, parse_endpoint
+from plcgen.ppi.sim import Bus, Station
+from plcgen.ppi.sim.serve import MOST_CONNECTIONS, Serving
+from plcgen.ppi.wire.areas import Area
+from plcgen.ppi.wire.model import Item, ReadRequest
+from plcgen.ppi.wire.telegram import encode_poll, encode_request
 
 SOON = 5.0
 E5 = b"\xe5"

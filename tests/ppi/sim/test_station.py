@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 from s7_200_talk import E5, Talk
 
-from plcgen.protocols.ppi.sim import Bus, Station
-from plcgen.protocols.ppi.sim.cpu import Mode, Switch
-from plcgen.protocols.ppi.wire.areas import Area
-from plcgen.protocols.ppi.wire.model import (
+from plcgen.ppi.sim import Bus, Station
+from plcgen.ppi.sim.cpu import Mode, Switch
+from plcgen.ppi.wire.areas import Area
+from plcgen.ppi.wire.model import (
     AckReply,
     ErrorReply,
     FixedFrame,

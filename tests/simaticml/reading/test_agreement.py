@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from simaticml.reading.documents import FB_SECTIONS, document, function_block, global_db, sections
 
-from plcgen.s7.image import image
-from plcgen.s7.layout import layout_block
-from plcgen.simaticml.reading.documents import read_simaticml
-from plcgen.sources.text import parse_source
+from plcgen.s7.layout.image import image
+from plcgen.s7.layout.layout import layout_block
+from plcgen.s7.read.text import parse_source
+from plcgen.s7.xml.reading.documents import read_simaticml
 
 SOURCE = """
 FUNCTION_BLOCK "Job"

@@ -7,13 +7,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from simaticml.reading.documents import BOM, FAQ_DB3, FB_SECTIONS, HEADER, document, function_block, global_db, sections
 
-from plcgen.s7.blocks import Block, BlockKind, Section, SectionKind
-from plcgen.s7.image import image
-from plcgen.s7.layout import layout_block
-from plcgen.s7.types import ELEMENTARY, ArrayType, Member, NamedType, StringType, StructType
-from plcgen.simaticml.reading.documents import Tag, WatchEntry, read_simaticml, read_tag_table, read_watch_table
-from plcgen.simaticml.reading.types import parse_datatype
-from plcgen.simaticml.reading.xml import MAX_BYTES
+from plcgen.s7.layout.image import image
+from plcgen.s7.layout.layout import layout_block
+from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind
+from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, Member, NamedType, StringType, StructType
+from plcgen.s7.xml.reading.documents import Tag, WatchEntry, read_simaticml, read_tag_table, read_watch_table
+from plcgen.s7.xml.reading.types import parse_datatype
+from plcgen.s7.xml.reading.xml import MAX_BYTES
 
 
 def one(*objects, **options):

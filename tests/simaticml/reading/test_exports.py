@@ -8,8 +8,8 @@ import pytest
 from simaticml.reading.documents import STANDARD, document, function_block, global_db, sections
 
 from plcgen import api
-from plcgen.s7.types import ELEMENTARY, ArrayType, StringType
-from plcgen.simaticml.reading.documents import read_simaticml
+from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, StringType
+from plcgen.s7.xml.reading.documents import read_simaticml
 
 TEXT = 'xmlns="http://www.siemens.com/automation/Openness/SW/NetworkSource/StructuredText/v3"'
 TABLE = """<SW.Tags.PlcTagTable ID="0"><AttributeList><Name>Constants</Name></AttributeList><ObjectList>

@@ -14,13 +14,13 @@ from projects import ROOT
 from simaticml.reading.documents import FB_SECTIONS, document, function_block, global_db, sections
 
 import plcgen
-from plcgen.diagnostics import DiagnosticError, Severity
-from plcgen.s7.layout import layout_block
-from plcgen.simaticml.reading.documents import read_simaticml, read_tag_table, read_watch_table
-from plcgen.simaticml.reading.invariants import check_invariants
-from plcgen.simaticml.reading.source import source
-from plcgen.simaticml.reading.types import parse_datatype
-from plcgen.simaticml.reading.xml import MAX_TAGS, TAGS
+from plcgen.base.diagnostics import DiagnosticError, Severity
+from plcgen.s7.layout.layout import layout_block
+from plcgen.s7.xml.reading.documents import read_simaticml, read_tag_table, read_watch_table
+from plcgen.s7.xml.reading.invariants import check_invariants
+from plcgen.s7.xml.reading.source import source
+from plcgen.s7.xml.reading.types import parse_datatype
+from plcgen.s7.xml.reading.xml import MAX_TAGS, TAGS
 
 EXAMPLE = (ROOT / "examples/s7-300_6ra80_dp_tia/expected/xml/WriteRampDown.xml").read_bytes()
 TEXT = "http://www.siemens.com/automation/Openness/SW/NetworkSource/StructuredText/v3"
@@ -326,7 +326,7 @@ def test_hostile_documents_in_a_small_process(tmp_path: Path) -> None:
     (tmp_path / "array.xml").write_bytes(document(global_db(array)))
     (tmp_path / "blanks.xml").write_bytes(code('<Blank Num="10000"/>' * 5000))
     script = (
-        "import sys, glob\nfrom plcgen.simaticml.reading.documents import read_simaticml\n"
+        "import sys, glob\nfrom plcgen.s7.xml.reading.documents import read_simaticml\n"
         "for path in sorted(glob.glob(sys.argv[1] + '/*.xml')):\n"
         "    blocks, problems = read_simaticml(path)\n"
         "    print(path.rsplit('/', 1)[1], *sorted({d.code for d in problems}))\n"

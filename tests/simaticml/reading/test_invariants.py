@@ -15,7 +15,7 @@ from simaticml.reading.documents import (
 )
 from xsd_support import validate_islands
 
-from plcgen.simaticml.reading.invariants import check_invariants
+from plcgen.s7.xml.reading.invariants import check_invariants
 
 SCL = "http://www.siemens.com/automation/Openness/SW/NetworkSource/StructuredText/v3"
 CODE = f'<StructuredText xmlns="{SCL}"><NewLine UId="21" /><NewLine UId="22" /></StructuredText>'

@@ -11,21 +11,21 @@ from functools import partial
 
 from pydantic import Field as Key
 
-from plcgen.diagnostics import Diagnostic
-from plcgen.documents.control import signals
-from plcgen.documents.members import assignments, buffer_member
-from plcgen.documents.nouns import Command, Contribution, DataBlock, FunctionBlock, TypeBlock
-from plcgen.input.validation import StrictModel
-from plcgen.inspection.compare.model import DriveState, JobState, TelegramState
-from plcgen.inspection.sheet import ReviewSheet
+from plcgen.base.diagnostics import Diagnostic
+from plcgen.base.files.validation import StrictModel
+from plcgen.base.telegrams.dissection import ByteField, Walker
+from plcgen.build.control import signals
+from plcgen.build.members import assignments, buffer_member
+from plcgen.build.nouns import Command, Contribution, DataBlock, FunctionBlock, TypeBlock
+from plcgen.build.sheet import ReviewSheet
 from plcgen.project.nouns import BlockRef, Buffer, BufferField, Link, Plan, PlannedJob, PlannedTrigger, Telegram
+from plcgen.project.part import Named, Rules
 from plcgen.proof.audited import Audited
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.suite import LaidOut
-from plcgen.protocols.base import Named, Rules
-from plcgen.protocols.dissection import ByteField, Walker
-from plcgen.s7.image import image
-from plcgen.s7.types import ELEMENTARY
+from plcgen.s7.compare.model import DriveState, JobState, TelegramState
+from plcgen.s7.layout.image import image
+from plcgen.s7.types.data_types import ELEMENTARY
 
 MARK = 0xBE
 LAST_LAMP = 9

@@ -1,0 +1,1 @@
+"""What everything stands on: diagnostics, files, bounds, tables and pages as data, lines, resources."""

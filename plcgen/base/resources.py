@@ -1,0 +1,22 @@
+"""Where the files that ship with the tool lie (beside the package, or inside it in a wheel)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def _locate(installed: str, checkout: str) -> Path:
+    inside = _PACKAGE / installed
+    return inside if inside.is_dir() else _PACKAGE.parent / checkout
+
+
+def templates_dir() -> Path:
+    """Directory of the Jinja2 templates."""
+    return _locate("_templates", "templates")
+
+
+def specs_dir() -> Path:
+    """Directory of the shipped job specs, device profiles and parameter catalogues."""
+    return _locate("_specs", "specs")

@@ -1,0 +1,265 @@
+"""A device and its parameters, as a profile or a spec describes them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args
+
+from pydantic import AfterValidator, Field
+
+from plcgen.base.files.printed import Name, Printed, Value
+from plcgen.base.files.validation import StrictModel, problem
+from plcgen.ds47 import effects
+from plcgen.ds47.objects import CONTROL_UNIT_TYPE, OTHER, kindred, single_types
+from plcgen.ds47.references import parse_reference
+
+if TYPE_CHECKING:
+    from plcgen.ds47.wire.bico import Layout
+    from plcgen.ds47.wire.errors import Table
+
+
+def _number(key: str) -> str:
+    reference = parse_reference(key)
+    if reference is None or reference.first is not None or not 1 <= (reference.pnu or 0) <= 0xFFFF:
+        raise problem(f'"{key}" is not a parameter number', code="PG203", help_="write P1120: or r0945:")
+    return key
+
+
+def _value_name(name: str) -> str:
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) or re.fullmatch(r"[PpRr]0*[0-9]+", name):
+        raise problem(
+            f'"{name}" is not a valid name of a value: letters, digits and underscores', help_="for example inactive"
+        )
+    return name
+
+
+ValueName = Annotated[Name, AfterValidator(_value_name), Field(max_length=64)]
+ParameterNumber = Annotated[Name, AfterValidator(_number)]
+DataSets = Literal["CDS", "DDS", "EDS", "MDS", "n"]
+"""What the number of indexes follows: command, drive, encoder or motor data sets, or something else."""
+Indexes = Annotated[int, Field(ge=1, le=65535)] | DataSets
+Grade: TypeAlias = Literal["read", "inferred", "recalled"]
+"""How a fact is known: read in its source, concluded from something else that was read, or from memory."""
+Fact: TypeAlias = Literal[
+    "title", "type", "unit", "access", "array", "min", "max", "default", "bico", "values", "scaling", "objects"
+]
+DECIDING: tuple[Fact, ...] = ("array", "min", "max", "default", "values")
+"""What decides something about jobs, and therefore counts only if it was read."""
+UNKNOWN = "unknown"
+"""What stands for a type or a number of indexes that nobody knows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A drive parameter as the catalogue or the spec defines it.
+
+    ``type`` is the DS47 data type on the wire, empty if nobody knows it; ``array`` the number of indexes (None: not
+    indexed, or ``indexes`` says what the number follows, or that nobody read whether it is indexed); ``access`` is r, w
+    or rw; ``minimum``/``maximum`` in the parameter's unit; ``dangerous`` and ``harmless`` say why a write needs a
+    sign-off, or none, where its profile says so: ``Device.danger`` knows the numbers too. ``grades`` says how each
+    stated fact is known. Limits, factory setting, number of indexes and names of values that were not read decide
+    nothing: they stand in ``doubted`` alone. ``observed`` is a value that a drive had once; ``values`` are single
+    values by their names; ``scaling`` is the reference of the value in process data, p2000 for example;
+    ``objects`` are the types of the drive objects that have it, empty if nobody knows.
+    """
+
+    pnu: int
+    type: str
+    name: str = ""
+    title: str = ""
+    unit: str = ""
+    access: str = "rw"
+    array: int | None = None
+    minimum: float | None = None
+    maximum: float | None = None
+    default: bool | float | str | None = None
+    bico: bool = False
+    dangerous: str = ""
+    harmless: str = ""
+    source: str = ""
+    indexes: str = ""
+    observed: bool | float | str | None = None
+    changeable: str = ""
+    note: str = ""
+    grades: Mapping[Fact, Grade] = field(default_factory=dict, compare=False)
+    doubted: Mapping[Fact, Any] = field(default_factory=dict, compare=False)
+    values: Mapping[str, int] = field(default_factory=dict)
+    scaling: str = ""
+    objects: frozenset[str] = frozenset()
+
+    def read(self, fact: Fact) -> bool:
+        """Whether a fact was read in its source."""
+        return self.grades.get(fact) == "read"
+
+
+def limit_text(limit: float | None) -> str:
+    """One end of a range, empty if it has none."""
+    return "" if limit is None else f"{limit:g}"
+
+
+def facts(parameter: Parameter) -> dict[Fact, tuple[Any, Grade]]:
+    """Every fact that is stated, with its grade; also those that decide nothing."""
+    values: dict[Fact, Any] = {
+        "title": parameter.title,
+        "type": parameter.type,
+        "unit": parameter.unit,
+        "access": parameter.access,
+        "array": parameter.array or parameter.indexes.removeprefix(UNKNOWN),
+        "min": parameter.minimum,
+        "max": parameter.maximum,
+        "default": parameter.default,
+        "bico": parameter.bico or None,
+        "values": dict(parameter.values),
+        "scaling": parameter.scaling,
+        "objects": sorted(parameter.objects),
+    }
+    values |= parameter.doubted
+    stated = {fact: value for fact, value in values.items() if value not in (None, "", {}, [])}
+    return {fact: (value, parameter.grades.get(fact, "read")) for fact, value in stated.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectTypes:
+    """Types of the drive objects of a unit: number of the control unit, type of the others if nobody says more.
+
+    ``whole`` are the types whose lists were read whole: what they do not name, an object of the type does not have.
+    """
+
+    control_unit: int
+    others: str
+    whole: frozenset[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """A device profile: limits and behaviour of one drive family (source: its manuals, named in ``source``).
+
+    ``record_index`` maps access points to data record indexes; ``default_index`` names the default one.
+    ``drive_objects`` is None when every number is possible. ``answer_format`` is ``exact`` (the parameter's
+    type) or ``size`` (41h/42h/43h). ``scalar_elements`` is the number of elements this device wants in a
+    request without an index: (read, write). ``bases`` are the numbers of limits and references, which other values
+    are measured by. ``bico`` says whether BICO values carry the drive object, ``like`` from which device those
+    parameters come that the profile does not name. ``object_types`` is None if all parameters are in one drive object,
+    or nobody knows in which.
+    """
+
+    key: str
+    title: str
+    source: str
+    record_index: dict[str, int]
+    default_index: str
+    drive_object: int
+    drive_objects: tuple[int, ...] | None
+    drive_object_rule: str
+    record_limit: int
+    max_parameters: int
+    max_elements: int
+    answer_format: Literal["exact", "size"]
+    error_words: Literal[1, 2]
+    scalar_elements: tuple[int, int]
+    strict_length: bool
+    bases: tuple[int, ...]
+    bico: Layout
+    error_table: Table
+    parameters: dict[int, Parameter]
+    like: str = field(default="", compare=False)
+    object_types: ObjectTypes | None = None
+
+    def object_type(self, number: int) -> str:
+        """Type of a drive object of which only the number is known; empty if the device has no types."""
+        types = self.object_types
+        if types is None:
+            return ""
+        return CONTROL_UNIT_TYPE if number == types.control_unit else types.others
+
+    def lacks(self, pnu: int, object_type: str) -> Literal["surely", "perhaps", ""]:
+        """Whether a drive object of a type has no such parameter.
+
+        ``surely``: its list was read whole; ``perhaps``: lists name it for objects of other groups alone.
+        """
+        known, types = self.parameters.get(pnu), self.object_types
+        if known is None or types is None or not known.objects or object_type in ("", OTHER):
+            return ""
+        own = single_types([object_type])
+        if own & known.objects:
+            return ""
+        if own & types.whole and known.read("objects"):
+            return "surely"
+        return "" if kindred(own) & known.objects else "perhaps"
+
+    def danger(self, pnu: int, values: Collection[object] | None = None, object_type: str = "") -> str:
+        """Why a write of these values needs a sign-off, whatever a spec says about the parameter; empty if it needs
+        none. None are values that nobody knows yet: then any that would need one counts.
+        """
+        known = self.parameters.get(pnu)
+        own = known.dangerous if known is not None else ""
+        return own or effects.danger(pnu, (object_type, self.key, self.like), values)
+
+    def classified(self, pnu: int) -> bool:
+        """Whether anybody has said what a write of this number does."""
+        known = self.parameters.get(pnu)
+        return effects.classified(pnu) or (known is not None and bool(known.dangerous or known.harmless))
+
+    def by_name(self, name: str) -> Parameter | None:
+        """Catalogue parameter by symbolic name."""
+        return next((p for p in self.parameters.values() if p.name == name), None)
+
+
+class ParameterDef(StrictModel):
+    """A drive parameter that the device catalogue does not hold (or holds differently)."""
+
+    type: Name = Field(description="DS47 data type, e.g. FloatingPoint, Unsigned16, OctetString[4]")
+    name: Name | None = Field(None, description="symbolic name, snake_case; becomes the block's member name")
+    title: Printed | None = Field(None, description="text for comments")
+    unit: Printed | None = Field(None, description="text for comments, such as s or rpm")
+    access: Literal["r", "w", "rw"] | None = Field(None, description="absent: rw, or r where it can only be read")
+    array: Indexes | None = Field(
+        None, description="number of indexes, or what it follows: CDS, DDS, EDS, MDS, n; absent: not indexed"
+    )
+    min: float | None = Field(None, description="least value that a constant may have")
+    max: float | None = Field(None, description="greatest value that a constant may have")
+    default: Value | None = Field(None, description="factory setting")
+    bico: bool = Field(default=False, description="value is a BICO source such as r722.2")
+    values: dict[ValueName, int] = Field(
+        default_factory=dict, description="single values by names that a job may write"
+    )
+
+
+def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Parameter:
+    """Build a parameter from its catalogue or spec entry (already validated)."""
+    every: tuple[Fact, ...] = get_args(Fact)
+    general: Grade = entry.get("grade") or "read"
+    own: Mapping[Fact, Grade] = entry.get("facts", {})
+    stated = {fact: entry[fact] for fact in every if entry.get(fact) not in (None, {}, ())}
+    grades = {fact: own.get(fact, general) for fact in every if fact in stated or fact in {"access", "array"}}
+    if entry["type"] == UNKNOWN:
+        del grades["type"]
+    doubted = {fact: stated[fact] for fact in DECIDING if fact in stated and grades[fact] != "read"}
+    array = stated.get("array")
+    return Parameter(
+        pnu=pnu,
+        type="" if entry["type"] == UNKNOWN else entry["type"],
+        name=entry.get("name") or "",
+        title=entry.get("title") or "",
+        unit=entry.get("unit") or "",
+        access=entry.get("access") or ("r" if read_only else "rw"),
+        array=array if isinstance(array, int) and "array" not in doubted else None,
+        indexes=array if isinstance(array, str) else UNKNOWN if grades["array"] != "read" else "",
+        minimum=None if "min" in doubted else stated.get("min"),
+        maximum=None if "max" in doubted else stated.get("max"),
+        default=None if "default" in doubted else stated.get("default"),
+        observed=entry.get("observed"),
+        bico=entry.get("bico", False),
+        dangerous=entry.get("dangerous") or "",
+        harmless=entry.get("harmless") or "",
+        source=entry.get("source", ""),
+        changeable=entry.get("changeable", ""),
+        note=entry.get("note", ""),
+        grades=grades,
+        doubted=doubted,
+        values={} if "values" in doubted else stated.get("values", {}),
+        scaling=stated.get("scaling", ""),
+        objects=single_types(stated.get("objects", ())),
+    )

@@ -1,0 +1,74 @@
+"""The text lists of drive jobs: what ``status`` and ``errors`` of a job mean, and the fault classes of PROFIdrive.
+
+English stands where the blocks have it (``words.py``, ``error_numbers.toml``); ``texts.toml`` has the other languages.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from plcgen.build.text_lists import TextEntry, TextList
+from plcgen.ds47.wire.errors import Table, error_text, known_numbers
+from plcgen.ds47.wire.formats import FORMATS
+from plcgen.ds47.words import STATUS_WORDS
+
+LANGUAGES = ("en", "de", "zh")
+"""Languages with a text for everything."""
+_ANSWERED, _CAME = 0x8000, 0x8100
+_DIAGNOSIS = 0x9000
+"""First fault class in the channel diagnosis of PROFINET."""
+
+
+@cache
+def translations() -> Mapping[str, Any]:
+    """``texts.toml`` with numbers as keys."""
+    tables = tomllib.loads(Path(__file__).with_name("texts.toml").read_text("utf-8"))
+    return {name: table if name == "came" else {int(key, 0): row for key, row in table.items()}
+            for name, table in tables.items()}  # fmt: skip
+
+
+def text_lists(cultures: Sequence[str], errors: Table = "sinamics") -> list[TextList]:
+    """The three lists, in these cultures; one of a language without texts has the English ones.
+
+    ``errors`` is the table of error numbers that the device has.
+    """
+    return [
+        _list("DriveJobStatus", cultures, _status()),
+        _list("DriveJobErrors", cultures, _errors(errors)),
+        _list("DriveFaultClasses", cultures, _classes()),
+    ]
+
+
+def _list(name: str, cultures: Sequence[str], rows: Iterator[tuple[int, Mapping[str, str]]]) -> TextList:
+    entries = [
+        TextEntry(value, {culture: texts.get(culture[:2].lower(), texts["en"]) for culture in cultures})
+        for value, texts in rows
+    ]
+    return TextList(name, sorted(entries, key=lambda entry: entry.value))
+
+
+def _status() -> Iterator[tuple[int, Mapping[str, str]]]:
+    for _, word, text in STATUS_WORDS:
+        yield word, {"en": text, **translations()["status"][word]}
+
+
+def _errors(table: Table) -> Iterator[tuple[int, Mapping[str, str]]]:
+    """What an element of ``errors`` may be, docs/generated-code.md."""
+    known = translations()
+    yield from known["result"].items()
+    for number in known_numbers():
+        found = error_text(number, table)
+        if table == "sinamics" or found.origin.startswith("PROFIdrive"):
+            yield _ANSWERED | number, {"en": found.meaning, **known["error"][number]}
+    for one in FORMATS:
+        yield _CAME | one.code, {language: text.format(type=one.name) for language, text in known["came"].items()}
+
+
+def _classes() -> Iterator[tuple[int, Mapping[str, str]]]:
+    for number, texts in translations()["fault_class"].items():
+        yield number, texts
+        yield _DIAGNOSIS + number - 1, texts

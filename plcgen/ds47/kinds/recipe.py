@@ -1,0 +1,34 @@
+"""Jobs between the records of a recipe and a drive."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from plcgen.base.files.printed import Name
+from plcgen.ds47.kinds.kind import JobKind, WriteItem
+
+
+def _members(recipe: Any) -> tuple[WriteItem, ...]:
+    """The parameters of a recipe, whatever becomes of them: what they start with is that of the records."""
+    return tuple(WriteItem(**item.model_dump(by_alias=True)) for item in recipe.parameters)
+
+
+def _recipe_kind(key: str, does: str) -> JobKind:
+    return JobKind(
+        key=f"{key}_recipe",
+        writes=key == "write",
+        shape=Name,
+        description=f"key of a recipe: {does}",
+        example=f"{key}_recipe: winding",
+        items=_members,
+        compares=key == "compare",
+        recorded=True,
+        read_back=key == "write",
+    )
+
+
+RECIPES = (
+    _recipe_kind("write", "the drive gets the values of a record"),
+    _recipe_kind("read", "a record gets the values of the drive"),
+    _recipe_kind("compare", "a record is compared with the drive"),
+)

@@ -1,0 +1,198 @@
+"""What a job of the spec accesses: its kind, and its uses of parameters in the order in which they travel."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from plcgen.base.diagnostics import Diagnostic, Report
+from plcgen.ds47.kinds.kind import JobKind, Messages, ReadItem, WriteItem
+from plcgen.ds47.kinds.registry import kind_called, kinds
+from plcgen.ds47.kinds.save import SAVES
+from plcgen.ds47.plan.bits import BitResolver, has_bits, in_front
+from plcgen.ds47.plan.nouns import Use
+from plcgen.ds47.plan.readback import read_back, transaction
+from plcgen.ds47.plan.recipes import Recipes
+from plcgen.ds47.plan.steps import resolved_steps
+from plcgen.ds47.plan.uses import UseResolver
+from plcgen.ds47.references import number_of
+from plcgen.ds47.schema import DriveSections, ErrorSettings, JobEntry
+from plcgen.project.spec import LoadedSpec, SpecPath
+
+Items = tuple[ReadItem | WriteItem, ...]
+_LARGEST = 4
+"""Bytes of a value that a list of deviations has room for."""
+
+
+def job_kind(job: JobEntry, key: str, loaded: LoadedSpec, report: Report) -> JobKind | None:
+    """The one kind that a job says it is; None after a diagnostic. What is read back may be saved in the same job."""
+    given = [kind for kind in kinds() if getattr(job, kind.key) is not None]
+    if len(given) == 1:
+        return given[0]
+    saved = [kind for kind in given if kind.writes and kind.poll is None]
+    if len(given) == 2 and len(saved) == 1 and _then(job, saved[0]) is not None:
+        if job.verify is not None:
+            return saved[0]
+        message = f'job "{key}" saves what it has not read back'
+        help_ = "add verify: readback, or split it into two jobs"
+        report.add(Diagnostic("PG218", message, loaded.key_span(("jobs", key)), help=help_))
+        return None
+    names = " or ".join(kind.key for kind in given)
+    what = f"either {names}, not both" if given else "what to read, what to write or what to save"
+    help_ = "split it into two jobs" if given else f"add {' or '.join(kind.example for kind in kinds())}"
+    report.add(Diagnostic("PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help=help_))
+    return None
+
+
+def _then(job: JobEntry, kind: JobKind) -> JobKind | None:
+    """The kind of what a job does behind its own: it saves."""
+    saves = kind_called("save")
+    return saves if kind is not saves and getattr(job, saves.key) is not None else None
+
+
+@dataclass(slots=True)
+class Accesses:
+    """What one job accesses on a drive whose parameters ``resolver`` knows."""
+
+    job: JobEntry
+    path: SpecPath
+    loaded: LoadedSpec
+    recipes: Recipes
+    resolver: UseResolver
+    report: Report
+
+    def uses(self, kind: JobKind) -> tuple[Use, ...]:
+        """All uses of the job, with those of what it does behind its own; none after a diagnostic."""
+        first = self._own(kind, 0)
+        then = _then(self.job, kind)
+        return first + self._own(then, len(first)) if then is not None and first else first
+
+    def _own(self, kind: JobKind, before: int) -> tuple[Use, ...]:
+        """The uses of one kind, with ``before`` others in front of them."""
+        place: SpecPath | None = (*self.path, kind.key)
+        given = getattr(self.job, kind.key)
+        if kind.recorded:
+            place = self.recipes.place(given, (*self.path, kind.key))
+        if place is None:
+            return ()
+        items = self.loaded.sections(DriveSections).items(self.job, kind)
+        if not items:
+            message = f'job "{self.path[-1]}" names no parameter'
+            self.report.add(Diagnostic("PG218", message, self.loaded.span((*self.path, kind.key))))
+        if kind.saves and not self._savable(items[0], place):
+            return ()
+        if kind.fixed and not self._all_known(kind, items, place):
+            return ()
+        if kind.steps is not None:
+            return resolved_steps(tuple(kind.steps(given)), place, self.loaded, self.resolver)
+        if kind.bits and has_bits(items):
+            return self._with_bits(kind, items, place)
+        uses = self._resolved(kind, items, place, before)
+        if len(uses) == len(items):
+            return self._complete(kind, uses, items)
+        return uses if kind.messages is None else ()
+
+    def _resolved(self, kind: JobKind, items: Items, place: SpecPath, before: int) -> tuple[Use, ...]:
+        """The items that the drive knows."""
+        whole = kind.fixed or kind.poll is not None
+        found = []
+        for number, item in enumerate(items):
+            where = place if whole else (*place, number)
+            write = kind.writes and isinstance(item, WriteItem)
+            found.append(self.resolver.resolve(item, before + number + 1, where, write=write))
+        uses = tuple(use for use in found if use is not None)
+        if kind.recorded:
+            uses = tuple(replace(use, recorded=True) for use in self.recipes.recorded(uses, self.resolver))
+        if kind.compares:
+            uses = tuple(replace(use, compared=True) for use in uses if self._comparable(use))
+        return uses
+
+    def _with_bits(self, kind: JobKind, items: Items, place: SpecPath) -> tuple[Use, ...]:
+        """Items of which some are bits of words, which are read in front of the write; none after a diagnostic."""
+        found = BitResolver(self.resolver)
+        found.add(items, place)
+        if not found.complete:
+            return ()
+        uses, words = tuple(found.uses), tuple(found.items)
+        if self._restores(kind) is None:  # else all old values are read
+            uses, words = in_front(uses, words, self.resolver)
+        return self._complete(kind, uses, words)
+
+    def _complete(self, kind: JobKind, uses: tuple[Use, ...], items: Items) -> tuple[Use, ...]:
+        """What belongs to the uses of all items: read back, restored, polled, divided into columns."""
+        settings = getattr(self.job, kind.key)
+        if kind.poll is not None:
+            return (uses[0], replace(uses[1], poll=kind.poll(settings)), *uses[2:])
+        if self.job.verify is not None:
+            restores = self._restores(kind)
+            if restores is not None:
+                return transaction(uses, items, restores, self.path, self.resolver)
+            return (*uses, *read_back(uses, items, self.resolver))
+        return uses if kind.messages is None else tuple(_columns(uses, kind.messages(settings)))
+
+    def _restores(self, kind: JobKind) -> ErrorSettings | None:
+        """How old values are written back; None if they are not."""
+        can = self.job.verify is not None and kind.read_back
+        return self.job.on_error if can else None
+
+    def _comparable(self, use: Use) -> bool:
+        """Whether a value fits the list of deviations; PG249 if not."""
+        if not use.format.is_string and use.format.size <= _LARGEST:
+            return True
+        message = f"{use.label} is {use.format.name}: the list of deviations has numbers of 1, 2 or 4 bytes"
+        place = self.loaded.span((*use.path, "parameter"))
+        self.report.add(Diagnostic("PG249", message, place, help="read it in another job"))
+        return False
+
+    def _savable(self, item: ReadItem | WriteItem, path: SpecPath) -> bool:
+        """Whether the parameter that saves is known with its type, and with its range where it shall save as a setting.
+
+        PG243 if not: no other is taken in its place.
+        """
+        known = self.resolver.known.get(number_of(item.parameter) or 0)
+        setting = item.value if isinstance(item, WriteItem) and item.value != 1 else None
+        device, name = self.resolver.device.key, item.parameter
+        if known is not None and known.type and setting is not None and known.maximum is None:
+            message = f"nobody has looked up whether {name} of {device} takes {setting}"
+            help_ = f"if your drive does, define it there: parameters: {{{name}: {{type: {known.type}, max: 12}}}}"
+            self.report.add(Diagnostic("PG243", message, self.loaded.span((*path, "setting")), help=help_))
+            return False
+        if known is not None and known.type:
+            return True
+        others = [f"save: {word}" for word, pnu in SAVES.items() if pnu in self.resolver.known and f"P{pnu}" != name]
+        message = f"{name} is not in the catalogue of {device}: it is not known whether writing it saves anything"
+        define = f"if your drive has it, define it there: parameters: {{{name}: {{type: Unsigned16}}}}"
+        self.report.add(Diagnostic("PG243", message, self.loaded.span(path), help="; ".join((*others, define))))
+        return False
+
+    def _all_known(self, kind: JobKind, items: Items, path: SpecPath) -> bool:
+        """Whether every parameter that the job does not name itself is known, with a type that is not from memory.
+
+        PG248 for those that are not: a job that reads something else than it says is worse than none.
+        """
+        wanted = dict.fromkeys(item.parameter.partition("[")[0] for item in items)
+        missing = []
+        for name in wanted:
+            known = self.resolver.known.get(number_of(name) or 0)
+            if known is None or not known.type or known.grades.get("type", "read") == "recalled":
+                missing.append(name)
+        if not missing:
+            return True
+        names, them = ", ".join(missing), "it" if len(missing) == 1 else "them"
+        message = f"{names} of {self.resolver.device.key}: nobody has looked up whether the device has {them}"
+        definitions = ", ".join(f"{name}: {{type: {kind.types.get(name, '..')}}}" for name in missing)
+        help_ = f"look {them} up in the list manual and define {them} in the drive: parameters: {{{definitions}}}"
+        if kind.messages is not None and missing != [items[0].parameter]:  # the first one counts changes
+            help_ += "; or leave its column out"
+        self.report.add(Diagnostic("PG248", message, self.loaded.span(path), help=help_))
+        return False
+
+
+def _columns(uses: tuple[Use, ...], settings: Messages) -> Iterator[Use]:
+    """The accesses to a buffer of messages: the counter, columns of groups, the counter again."""
+    first, *middle, last = uses
+    yield first
+    for number, use in enumerate(middle):
+        group, column = divmod(number, len(settings.columns))
+        yield replace(use, column=settings.columns[column], group=group)
+    yield replace(last, again=first)

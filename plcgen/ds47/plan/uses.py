@@ -1,0 +1,318 @@
+"""One parameter of a job: find it in the catalogue, settle its type, index and value, or say what is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import replace
+from typing import Any
+
+from plcgen.base.diagnostics import Diagnostic, Report, Severity
+from plcgen.base.diagnostics.suggest import Vocabulary, did_you_mean
+from plcgen.ds47 import guards
+from plcgen.ds47.device import Device, Parameter
+from plcgen.ds47.kinds.kind import ReadItem, WriteItem
+from plcgen.ds47.plan.nouns import Use
+from plcgen.ds47.plan.pack import MAX_TELEGRAMS
+from plcgen.ds47.references import Reference, parse_reference, spelling_hint
+from plcgen.ds47.types import TypeTextError, read_type
+from plcgen.ds47.wire import formats
+from plcgen.ds47.wire.bico import parse_bico
+from plcgen.ds47.wire.formats import Format, FormatKind, FormatValueError
+from plcgen.project.spec import LoadedSpec, SpecPath
+from plcgen.s7.types.names import TIA_LIMIT, V5_LIMIT, camel_case, shorten
+
+HIGHEST_BOUND = 32_767
+"""Bounds of arrays are INT; a range is an array with the drive's own indexes, and a pad element behind it."""
+
+
+class UseResolver:
+    """Resolves the parameters of one drive's jobs; problems go to the report, the use is then left out."""
+
+    def __init__(self, loaded: LoadedSpec, device: Device, own: dict[int, Parameter], report: Report) -> None:
+        self.loaded = loaded
+        self.device = device
+        self.own = own
+        self.report = report
+        self.known = {**device.parameters, **own}
+        named = [(one.name, one) for one in reversed(self.known.values()) if one.name]
+        self._by_name, self._words = dict(named), Vocabulary(name for name, _ in reversed(named))
+        self.unusable: set[int] = set()
+        self.longest_name = V5_LIMIT if loaded.spec.plc.toolchain == "step7-v5" else TIA_LIMIT
+
+    def alike(self, other: UseResolver) -> bool:
+        """Whether both resolve every parameter to the same use."""
+        return self.device is other.device and self.own == other.own
+
+    def reporting(self, report: Report) -> UseResolver:
+        """The same resolver with another report."""
+        other = copy(self)
+        other.report = report
+        return other
+
+    def check_definition(self, parameter: Parameter, path: SpecPath) -> None:
+        """Report a data type that does not exist where the spec defines a parameter, not at every use."""
+        if self._format(parameter, path) is None:
+            self.unusable.add(parameter.pnu)
+
+    def problem(
+        self, code: str, message: str, path: SpecPath, help_: str = "", severity: Severity = Severity.ERROR
+    ) -> None:
+        """Report what is wrong at a place of the spec."""
+        self.report.add(Diagnostic(code, message, self.loaded.span(path), severity, help=help_))
+
+    def resolve(self, item: ReadItem | WriteItem, position: int, path: SpecPath, *, write: bool) -> Use | None:
+        """Turn one item of a job into a use; None if something about it is wrong."""
+        place: SpecPath = (*path, "parameter")
+        reference = parse_reference(item.parameter)
+        if reference is None:
+            self.problem(
+                "PG203",
+                f'"{item.parameter}" is not a parameter',
+                place,
+                spelling_hint(item.parameter),
+            )
+            return None
+        parameter = self._parameter(reference, item.type, path)
+        if parameter is None or parameter.pnu in self.unusable:
+            return None
+        settled = self._format(parameter, path)
+        if settled is None or not self._index_fits(reference, parameter, place):
+            return None
+        fmt, octets = settled
+        values = 1 if reference.first is None or reference.last is None else reference.last - reference.first + 1
+        if octets and values > 1:
+            self.problem("PG206", f"{item.parameter}: several indexes of a string need several reads", place)
+            return None
+        count = octets if fmt.is_string else values
+        if count * fmt.size > MAX_TELEGRAMS * self.device.record_limit:
+            help_ = "use fewer indexes, or several jobs"
+            self.problem("PG307", f"{item.parameter} needs more than {MAX_TELEGRAMS} telegrams", place, help_)
+            return None
+        if values > 1 and (reference.last or 0) >= HIGHEST_BOUND:
+            help_ = f"ask for the indexes from {HIGHEST_BOUND} on one by one"
+            message = f"{item.parameter}: arrays of a PLC end before index {HIGHEST_BOUND}"
+            self.problem("PG206", message, place, help_)
+            return None
+        start = item.value if isinstance(item, WriteItem) and item.value is not None else None
+        constant = start is not None
+        if isinstance(item, WriteItem) and not constant:
+            start = item.start if item.start is not None else _safe_default(parameter, fmt, count)
+        data = b"\0" * (count * fmt.size)
+        if isinstance(item, WriteItem):
+            data = self.pack(start, parameter, fmt, count, (*path, "value" if constant else "start")) or data
+        return Use(
+            position=position,
+            parameter=parameter,
+            format=fmt,
+            first=reference.first,
+            elements=count if fmt.is_string else self._elements(reference, values, write=write),
+            count=count,
+            data=data,
+            constant=constant,
+            sources=self.device.bico == "drive-object" and _names_sources(start, parameter, fmt),
+            member=item.as_ or shorten(_member(parameter, reference), self.longest_name),
+            comment=item.comment or {},
+            path=path,
+            writes=write,
+        )
+
+    def _elements(self, reference: Reference, values: int, *, write: bool) -> int:
+        return self.device.scalar_elements[1 if write else 0] if reference.first is None else values
+
+    def _parameter(self, reference: Reference, given: str | None, path: SpecPath) -> Parameter | None:
+        place: SpecPath = (*path, "parameter")
+        if reference.pnu is None:
+            found = self._by_name.get(reference.name)
+            if found is None:
+                hint = did_you_mean(reference.name, self._words) or "use its number, for example P50303"
+                self.problem("PG203", f'{self.device.title} has no parameter called "{reference.name}"', place, hint)
+            return found
+        if not 1 <= reference.pnu <= 0xFFFF:
+            self.problem("PG203", f"parameter number {reference.pnu} is outside 1..65535", place)
+            return None
+        known = self.known.get(reference.pnu)
+        if known is None and given is None:
+            # no number that looks like it is offered: the neighbour of a parameter is another parameter
+            written = f"{'r' if reference.read_only else 'P'}{reference.pnu}"
+            message = f"{written} is not in the catalogue of {self.device.key}: its data type is missing"
+            define = f"parameters: {{{written}: {{type: ..}}}}"
+            help_ = f"give its type: {{type: FloatingPoint}}; or define it in the drive: {define}"
+            self.problem("PG204", message, place, help_)
+            return None
+        if known is None:
+            access = "r" if reference.pnu in guards.READ_ONLY else "rw"
+            return Parameter(reference.pnu, given or "", access=access)
+        if not known.type and given is None:
+            message = f"P{reference.pnu} ({known.title}) is in the catalogue without its data type: {known.source}"
+            help_ = "look it up in the list manual of your firmware and give it: {type: Unsigned16}"
+            self.problem("PG204", message, place, help_)
+            return None
+        if not known.type and given is not None:
+            return replace(known, type=given)
+        if given is not None and given.lower() != known.type.lower():
+            self.problem(
+                "PG212",
+                f"P{reference.pnu} is {known.type} in the catalogue, not {given}",
+                (*path, "type"),
+                f"remove the type, or define the parameter under drives.*.parameters if {self.device.key} differs",
+            )
+            return None
+        return known
+
+    def _format(self, parameter: Parameter, path: SpecPath) -> tuple[Format, int] | None:
+        """Format and, for strings, the number of octets."""
+        try:
+            return read_type(parameter.type)
+        except TypeTextError as wrong:
+            self.problem("PG205", str(wrong), (*path, "type"), wrong.help)
+            return None
+
+    def _index_fits(self, reference: Reference, parameter: Parameter, place: SpecPath) -> bool:
+        if reference.first is None or reference.last is None:
+            return True
+        label = f"P{parameter.pnu}"
+        if reference.last < reference.first:
+            self.problem("PG206", f"{label}[{reference.first}..{reference.last}]: the range runs backwards", place)
+        elif reference.last > 0xFFFE:
+            self.problem("PG206", f"{label}: subindex {reference.last} is outside 0..65534", place)
+        elif parameter.array is not None and reference.last >= parameter.array:
+            self.problem(
+                "PG206",
+                f"{label} has the indexes 0..{parameter.array - 1}, not {reference.last}",
+                place,
+                "the drive would answer error 03h",
+            )
+        elif parameter.array is None and parameter.source and not parameter.indexes and reference.last > 0:
+            self.problem("PG206", f"{label} has no index", place, "the drive would answer error 04h")
+        else:
+            return True
+        return False
+
+    def pack(self, given: Any, parameter: Parameter, fmt: Format, count: int, path: SpecPath) -> bytes | None:
+        """Wire bytes of a constant or start value; None after a diagnostic."""
+        values: Sequence[Any] = given if isinstance(given, tuple) else (given,)
+        if fmt.is_string:
+            return self._pack_octets(values, fmt, count, path)
+        if len(values) == 1 and count > 1 and not isinstance(given, tuple):
+            one = self._pack_one(given, parameter, fmt, path)
+            return None if one is None else one * count
+        if len(values) != count:
+            help_ = f"give {count} values, or one for all of them"
+            self.problem("PG210", f"P{parameter.pnu}: {len(values)} values for {count} elements", path, help_)
+            return None
+        packed = b""
+        ok = True
+        for value in values:
+            one = self._pack_one(value, parameter, fmt, path)
+            ok = ok and one is not None
+            packed += one or b""
+        return packed if ok else None
+
+    def _pack_one(self, value: Any, parameter: Parameter, fmt: Format, path: SpecPath) -> bytes | None:
+        if isinstance(value, str) and value in parameter.values:
+            value = parameter.values[value]
+        if isinstance(value, str):
+            source = parse_bico(value) if fmt.name == "Unsigned32" else None
+            bico = source and source.within(self.device.bico)
+            if source is not None and bico is None:
+                message = f"{value}: BICO values of {self.device.title} have no drive object"
+                self.problem("PG211", message, path, f"write {value.partition('@')[0]}")
+                return None
+            if bico is None and fmt.kind is not FormatKind.OPAQUE:
+                help_ = _name_help(value, parameter) or _value_help(fmt)
+                self.problem("PG211", f'"{value}" is not a value of type {fmt.name}', path, help_)
+                return None
+            value = value if bico is None else bico
+        try:
+            if fmt.kind is FormatKind.OPAQUE:
+                value = _octets(value, fmt.size)
+            packed = formats.pack_values(fmt, [value])
+        except FormatValueError as problem:
+            self.problem("PG208", f"P{parameter.pnu}: {problem}", path)
+            return None
+        low, high = parameter.minimum, parameter.maximum
+        if isinstance(value, bool | int | float) and (
+            (low is not None and value < low) or (high is not None and value > high)
+        ):
+            unit = f" {parameter.unit}" if parameter.unit else ""
+            bounds = f"{'' if low is None else f'{low:g}'}..{'' if high is None else f'{high:g}'}{unit}"
+            self.problem(
+                "PG209",
+                f"P{parameter.pnu} = {value:g} is outside its limits {bounds}",
+                path,
+                "the drive would answer error 02h",
+            )
+            return None
+        return packed
+
+    def _pack_octets(self, values: Sequence[Any], fmt: Format, count: int, path: SpecPath) -> bytes | None:
+        value = values[0] if len(values) == 1 else None
+        if not isinstance(value, str):
+            self.problem("PG211", f"{fmt.name} takes text", path, _value_help(fmt))
+            return None
+        try:
+            data = value.encode("ascii") if fmt.kind is FormatKind.TEXT else bytes.fromhex(value)
+        except ValueError:
+            self.problem("PG211", f'"{value}" is not a value of type {fmt.name}', path, _value_help(fmt))
+            return None
+        if len(data) > count:
+            self.problem("PG208", f"{len(data)} octets do not fit {fmt.name}[{count}]", path)
+            return None
+        if len(data) < count and fmt.kind is FormatKind.OCTETS:
+            self.problem("PG208", f"{fmt.name}[{count}] takes {count} octets, not {len(data)}", path)
+            return None
+        return data.ljust(count)
+
+
+def _names_sources(given: Any, parameter: Parameter, fmt: Format) -> bool:
+    """Whether a value is a BICO value: the parameter says so, or the value is written as one."""
+    values = given if isinstance(given, tuple) else (given,)
+    named = any(isinstance(value, str) and value not in parameter.values for value in values)
+    return fmt.name == "Unsigned32" and (parameter.bico or named)
+
+
+def _octets(value: Any, size: int) -> bytes:
+    """Octets of an uninterpreted date or time, written as hexadecimal digits."""
+    try:
+        data = bytes.fromhex(value) if isinstance(value, str) else bytes(size) if value == 0 else b""
+    except ValueError:
+        data = b""
+    if len(data) != size:
+        raise FormatValueError(f"write {size} octets as {2 * size} hexadecimal digits")
+    return data
+
+
+def _name_help(value: str, parameter: Parameter) -> str:
+    """Which values have a name; empty if none has one."""
+    known = list(parameter.values)
+    return f"{did_you_mean(value, known)} values with a name: {', '.join(known)}".strip() if known else ""
+
+
+def _value_help(fmt: Format) -> str:
+    if fmt.kind is FormatKind.OCTETS:
+        return 'write the octets as hexadecimal digits, for example "0329"'
+    if fmt.kind is FormatKind.TEXT:
+        return "write the text in quotes, ASCII characters only"
+    if fmt.name == "Unsigned32":
+        return "write a number or a BICO source such as r722.2, or r722.2@3 of drive object 3"
+    return "write a number"
+
+
+def _safe_default(parameter: Parameter, fmt: Format, count: int) -> Any:
+    """Start value of an input: the factory setting, else zero or the nearest limit."""
+    if fmt.is_string:
+        return parameter.default or ("" if fmt.kind is FormatKind.TEXT else "00" * count)
+    if parameter.default is not None:
+        return parameter.default
+    low, high = parameter.minimum, parameter.maximum
+    number = low if low is not None and low > 0 else high if high is not None and high < 0 else 0
+    return int(number) if fmt.kind is not FormatKind.FLOAT else float(number)
+
+
+def _member(parameter: Parameter, reference: Reference) -> str:
+    """Default member name: the catalogue's name, else the number; a single element of an array adds its index."""
+    base = camel_case(parameter.name) if parameter.name else f"p{parameter.pnu}"
+    if reference.first is None or reference.last != reference.first:
+        return base
+    return f"{base}Index{reference.first}"

@@ -1,0 +1,119 @@
+"""DriveJobs as it is delivered: a structure for each job, no job started, inputs with the values of the spec.
+
+Signals and their types as docs/generated-code.md has them; values are compared as bytes, which are the same in the
+telegram and in the CPU.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError
+from plcgen.base.diagnostics.counting import quantity
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedRecipe
+from plcgen.ds47.proof import clocked, listed
+from plcgen.ds47.proof.recorded import NUMBER, recipe_signals
+from plcgen.ds47.proof.restored import CAUSE
+from plcgen.ds47.proof.stepped import FAILED
+from plcgen.proof.checks import Check, Outcome
+from plcgen.proof.folder import Folder
+from plcgen.proof.rig import Spot
+from plcgen.s7.layout.image import image
+from plcgen.s7.layout.layout import Layout, layout_block, locate
+from plcgen.s7.types.data_types import Elementary
+from plcgen.s7.types.literals import LiteralError
+
+SIGNALS = {"execute": "BOOL", "busy": "BOOL", "done": "BOOL", "error": "BOOL", "status": "WORD"}
+
+
+def check_commands(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
+    """One check of each control DB, in the text source; its document is held against it elsewhere."""
+    for caller in plan.callers if plan.jobs else ():
+        yield from _check_control(caller.control.name, [job for job in plan.jobs if job.caller is caller], folder)
+
+    for recipe in plan.recipes:
+        yield from _check_records(recipe, folder)
+
+
+def _check_records(recipe: PlannedRecipe, folder: Folder) -> Iterator[Check]:
+    """Every record as delivered: the values of the spec."""
+    block = folder.text.get(recipe.db.name.upper())
+    if block is None:
+        return  # what is missing is told elsewhere
+    problems = []
+    try:
+        layout, start = layout_block(block, folder.text), bytes(image(block, folder.text))
+        for number, values in enumerate(recipe.values, 1):
+            for use in recipe.uses:
+                path = f"records[{number}].{use.member}"
+                found = Spot.of(layout, path).bytes(bytearray(start), len(values[use.member]))
+                if found != values[use.member]:
+                    said = f"the spec says {values[use.member].hex(' ').upper()}"
+                    problems.append(f"{path} starts with {found.hex(' ').upper()}, {said}")
+    except (DiagnosticError, LiteralError, KeyError) as problem:
+        problems = [str(problem)]
+    yield _verdict(recipe.db.name, f"{recipe.count} records", problems, "every record as in the spec", folder)
+
+
+def _check_control(name: str, jobs: list[DriveJob], folder: Folder) -> Iterator[Check]:
+    block = folder.text.get(name.upper())
+    if block is None:
+        return  # what is missing is told elsewhere
+    try:
+        layout, start = layout_block(block, folder.text), bytes(image(block, folder.text))
+        members = _members(layout)
+        problems = [p for job in jobs for p in _job(job, layout, start, members.get(job.member, set()))]
+        expected = {f"{job.member}.{use.member}" for job in jobs for use in job.inputs}
+        expected |= {f"{job.member}.{NUMBER}" for job in jobs if job.recipe is not None}
+        problems += [
+            f"{entry.path} has the start value {entry.member.start}"
+            for entry in layout.entries
+            if entry.member.start is not None and entry.path.replace('"', "").partition("[")[0] not in expected
+        ]
+    except (DiagnosticError, LiteralError) as problem:
+        problems = [str(problem)]
+    yield _verdict(name, quantity(len(jobs), "job"), problems, "inputs as in the spec, no job started", folder)
+
+
+def _verdict(name: str, figures: str, problems: list[str], good: str, folder: Folder) -> Check:
+    if problems:
+        found = Diagnostic("PG614", f'"{name}": {problems[0]}', folder.place(name))
+        return Check("commands", f'"{name}"', "", Outcome.ERROR, problems[0], found)
+    return Check("commands", f'"{name}"', figures, Outcome.OK, good)
+
+
+def _members(layout: Layout) -> dict[str, set[str]]:
+    """Members of every structure."""
+    found: dict[str, set[str]] = {}
+    for entry in layout.entries:
+        if entry.depth == 1:
+            above, _, name = entry.path.replace('"', "").partition(".")
+            found.setdefault(above, set()).add(name)
+    return found
+
+
+def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterator[str]:
+    """What is wrong with the structure of a job."""
+    flags = {name for name, _ in job.trigger.items()}
+    values = {*clocked.inputs(job), *(use.member for use in job.outputs)}
+    values |= {*(FAILED if job.in_steps else ()), *recipe_signals(job)}
+    values |= {CAUSE} if job.restores else set()
+    values |= {path.partition("[")[0] for path in listed.paths(job)}
+    wanted = {name for name in SIGNALS if name not in flags} | values
+    prefix = f"{job.member}."
+    for name in sorted(wanted ^ found):
+        yield f"{prefix}{name} {'is missing' if name in wanted else 'is not a member of the job'}"
+    types = SIGNALS if job.clock is None else {**SIGNALS, clocked.TIME: job.clock.name}
+    for name in sorted(wanted & found & set(types) - {use.member for use in (*job.inputs, *job.outputs)}):
+        entry = locate(layout, f"{prefix}{name}")
+        if not isinstance(entry.type, Elementary) or entry.type.name != types[name]:
+            yield f"{prefix}{name} is not of type {types[name]}"
+    for use in job.inputs:
+        if use.member in found:
+            entry = locate(layout, f"{prefix}{use.member}")
+            held = start[entry.byte : entry.byte + len(use.data)]
+            if entry.size == 1:
+                held = bytes((held[0] >> entry.bit & 1,))
+            if held != use.data:
+                said = f"the spec says {use.data.hex(' ').upper()}"
+                yield f"{prefix}{use.member} starts with {held.hex(' ').upper()}, {said}"

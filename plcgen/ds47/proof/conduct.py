@@ -1,0 +1,300 @@
+"""What goes on around the calls of a job block, and what must hold behind every one of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from plcgen.ds47.proof.asking import Asking
+from plcgen.ds47.proof.contents import held, written
+from plcgen.ds47.proof.course import Course
+from plcgen.ds47.proof.end import check_end, check_errors, check_refused
+from plcgen.ds47.proof.fence import Fence
+from plcgen.ds47.proof.listed import fill
+from plcgen.ds47.proof.pace import Pace
+from plcgen.ds47.proof.restored import BACK, CAUSE, OLD, Restoration
+from plcgen.ds47.proof.rig import SLOT, JobRig
+from plcgen.ds47.proof.saved import check_saved
+from plcgen.ds47.proof.scenario import DriveScenario
+from plcgen.ds47.proof.stepped import longest_waits, route
+from plcgen.ds47.proof.waiting import Waiting
+from plcgen.ds47.proof.words import DONE, DRAIN, DRAIN_MS, HOLD, NO_ANSWER, state_name
+from plcgen.proof.runner import Run
+from plcgen.proof.scenario import ScenarioError
+
+MANY_MS = 10_000_000
+"""Longer than any run."""
+STILL_MS = 1000
+"""Of the time between two calls so much counts at most."""
+LONG_MS = 2000
+"""What takes longer waits for a time, and may be looked at less often."""
+WAITING_MS = 50
+"""Length of a scan in ms while a job waits for a drive that has forgotten its telegram: some seconds."""
+
+
+class JobConduct:
+    """One job, run by run. ``before`` are its outputs in front of the run, ``requests`` what it must send."""
+
+    def __init__(self, rig: JobRig) -> None:
+        self.rig = rig
+        self.before: list[list[bytes]] = []
+        self.wanted: list[list[bytes]] = []
+        self.requests: list[bytes] = []
+        self.course = Course(rig, (), exact=False)
+        self.fence = Fence(rig)
+        self.asking: Asking | Waiting | None = None
+        self.polled = 0
+        """How often this run has repeated the last telegram."""
+        self.saves = 0
+        """Saves that the job has counted in front of this run."""
+        self.saved_at = 0
+        """When the last save was handed over."""
+        self.taken = 0
+        """Until when another job has the unit."""
+        self.length = 0
+        """Length of a scan in ms at least."""
+        self.pace = Pace(rig.cpu, [rig.drive])
+
+    def plain(self, name: str) -> DriveScenario:
+        """A run without any fault."""
+        return DriveScenario(name=name, again=None)
+
+    def title(self, scenario: DriveScenario) -> str:
+        """There is one job in the block."""
+        return scenario.name
+
+    def outputs(self) -> object:
+        """Outputs are looked at telegram by telegram in ``observe``, all of them at the end."""
+
+    def where(self) -> str:
+        """State of the channel."""
+        return state_name(self.rig.unit.get("state"))
+
+    def holds(self) -> bool:
+        """The result stays as long as execute does."""
+        return True
+
+    def begin(self, run: Run[DriveScenario]) -> int:
+        """Set up drive, bus and inputs."""
+        rig, scenario = self.rig, run.scenario
+        rig.address(other_bit=scenario.output)
+        rig.next_values(scenario.values)
+        rig.report(scenario.state)
+        rig.put_inputs(scenario.slot)
+        rig.damage(scenario.record, scenario.damaged)
+        rig.called_alone = False
+        self.polled, self.saves = 0, rig.saves
+        if scenario.since is None:
+            rig.forget(scenario.left)
+        else:
+            rig.wait(self.saved_at + scenario.since - rig.cpu.clock - scenario.scan)
+        rig.drive.begin(scenario)
+        rig.bus.write_busy, rig.bus.read_busy = scenario.busy
+        if scenario.occupied:
+            rig.occupy()
+        happens = set(scenario.happens.values())
+        self.fence.begin(alone=not scenario.occupied and not scenario.taken and not {"cold", "warm"} & happens)
+        if scenario.messages is not None:
+            fill(rig.job, rig.drive, rig.drive_object, scenario.messages)
+        if scenario.matches:
+            rig.match(scenario.keeps)
+        rig.tell(scenario.moment)
+        self.before, self.wanted = rig.delivered(), self.due(scenario)
+        self.set_off(scenario)
+        self.taken = 0
+        for (telegram, place), data in scenario.delivers.items():
+            self.wanted[telegram - 1][place - 1] = data
+        self.length, self.pace = scenario.scan, Pace(rig.cpu, [rig.drive])
+        return (
+            rig.job.timeout
+            + DRAIN_MS
+            + longest_waits(rig.job)
+            + 12 * max(scenario.scan, WAITING_MS if "off" in happens else 0)
+        )
+
+    def set_off(self, scenario: DriveScenario) -> None:
+        """What must be handed over in this run."""
+        telegrams, requests = route(self.rig.job, scenario), self.rig.requests()
+        self.requests = [requests[one.number - 1] for one in telegrams]
+        self.restoration = Restoration(
+            self.rig.job, self.rig.drive, self.rig.drive_object, requests, self.rig.values.given
+        )
+        restarts = {what for at, what in scenario.happens.items() if at > 1} & {"cold", "warm"}
+        self.course = Course(self.rig, telegrams, exact=scenario.again is not None and not restarts)
+        self.asking = None
+        if self.rig.job.poll is not None and not restarts:
+            self.asking = Asking(self.rig, self.rig.job.poll)
+        elif self.rig.job.waits and not restarts:
+            self.asking = Waiting(self.rig)
+
+    def due(self, scenario: DriveScenario) -> list[list[bytes]]:
+        """What the outputs must be: what the drive makes of it."""
+        return self.rig.wanted(scenario.keeps, scenario.meanwhile)
+
+    def happen(self, run: Run[DriveScenario], happening: str) -> None:
+        """A restart, or what only a drive's job knows."""
+        if happening in {"cold", "warm"}:
+            self.rig.put_inputs(run.scenario.slot)
+            self.before = self.rig.delivered()
+        elif happening == "rise":
+            run.execute = True
+        elif happening == "lost":
+            self.rig.unit.set("turn.grant", 0)
+        elif happening == "off":
+            self.rig.drive.switch_off()
+            self.length = WAITING_MS
+
+    def scan(self, run: Run[DriveScenario]) -> int:
+        """Inputs change behind the first call; the job of another slot leaves; the channel is not called."""
+        if run.scenario.twice:
+            self.rig.called_alone = run.scans % 2 == 0
+        if run.scenario.occupied:
+            self.rig.alive()
+            if run.scans == run.scenario.occupied // run.scenario.scan:
+                self.rig.leave()
+        if run.scenario.taken and self.course.free:
+            if not self.taken:
+                self.taken = run.passed + run.scenario.taken
+                self.rig.take()
+            self.rig.alive()
+            if self.taken and run.passed >= self.taken:
+                self.rig.leave()
+                self.taken = run.scenario.taken + MANY_MS
+        if run.scenario.still and run.scenario.still == self.course.handed and self.rig.unit.get("state") == HOLD:
+            return min(STILL_MS, self.rig.job.timeout // 2)
+        if run.scenario.meddle and run.scans > 1:
+            self.rig.meddle()
+        if run.scenario.robbed and run.scenario.robbed == self.course.handed and self.rig.unit.get("state") == DRAIN:
+            self.rig.alive(SLOT)
+        if run.scenario.later is not None and run.scans == 2:
+            self.rig.tell(run.scenario.later)
+            self.set_off(run.scenario)
+        counted = run.scenario.happens or run.scenario.occupied  # something happens in a certain scan
+        exact = counted or run.passed < LONG_MS
+        length = self.length if exact else max(self.length, self.pace.length())
+        if run.scenario.sharp is not None and self.asking is not None:
+            return self.asking.length(length, run.scenario.sharp)
+        return length
+
+    def start(self, run: Run[DriveScenario]) -> None:
+        """No parameter has an answer yet, whatever was there before; values stay until there are new ones."""
+        check_errors(self.rig, [(NO_ANSWER, 0)] * len(self.rig.job.uses))
+
+    def observe(self, run: Run[DriveScenario]) -> None:
+        """What is handed over to the channel; no output changes before its telegram is answered."""
+        rig, telegram = self.rig, self.rig.telegram
+        if run.scenario.guarded:
+            self.fence.check()
+        if self.asking is not None:
+            self.asking.observe(telegram, busy=run.seen[0])
+        if rig.building:
+            self.handed_over(telegram)
+        if rig.job.in_steps:
+            self.course.observe(busy=run.seen[0])
+            telegram = self.course.unanswered()
+        if run.seen[0]:
+            if rig.job.messages is not None and telegram:
+                telegram = (telegram - 1) % len(rig.job.telegrams) + 1
+            for number, (found, before) in enumerate(zip(rig.delivered(), self.before, strict=True), 1):
+                if number >= telegram and found != before:
+                    raise ScenarioError(f"an output of telegram {number} changed although it is not answered")
+
+    def handed_over(self, telegram: int) -> None:
+        """Bytes of the request, what goes with it, what is expected."""
+        rig, job = self.rig, self.rig.job
+        if job.in_steps:
+            longest = max(len(request) for request in self.requests)
+            telegram = self.course.number(rig.unit.bytes("telegram", longest), self.requests)
+        if job.restores:
+            if telegram == OLD:
+                self._merge()
+            request = self.restoration.hand_over(telegram)
+            if not self.restoration.saves or telegram <= len(job.telegrams):
+                self.requests[max(telegram - 1, BACK) :] = [request] if telegram > BACK else []
+        number = min(telegram, len(self.requests))
+        if telegram > number and job.poll is None:
+            raise ScenarioError(f"a telegram {telegram} is handed over, the job has {number}")
+        self.polled = max(self.polled, telegram - number)
+        request = self.requests[number - 1]
+        found = rig.handed_over(len(request))
+        if found[1:] != request[1:]:
+            raise ScenarioError(f"telegram {telegram} is {found.hex(' ').upper()}, not {request.hex(' ').upper()}")
+        asked = self.restoration.shape(telegram) if job.restores else self.course.telegrams[number - 1]
+        if asked.writes and asked.parts[0].use in job.saving:
+            self.saved_at = rig.cpu.clock
+        order, wanted = rig.order(), rig.wanted_order(asked, len(request))
+        wrong = [
+            f"{name} is {order[name]} instead of {value}" for name, value in wanted.items() if order[name] != value
+        ]
+        if wrong:
+            raise ScenarioError(f"in the order of telegram {telegram} {', '.join(wrong)}")
+        if asked.writes:
+            return
+        at = rig.unit.spots["expected"].byte
+        for position, part in enumerate(asked.parts):
+            word = bytes(rig.unit.memory[at + 4 * position : at + 4 * position + 4])
+            right = bytes((part.use.format.code, part.count, 0, part.size))
+            if word != right:
+                shown = f"16#{word.hex().upper()}, not 16#{right.hex().upper()}"
+                raise ScenarioError(f"what is expected of {part.use.label} in telegram {telegram} is {shown}")
+
+    def _merge(self) -> None:
+        """Words of which bits are written are made of those that the drive has now, whatever an earlier start wrote."""
+        rig = self.rig
+        words = [use for use in rig.job.uses if use.bits]
+        if words:
+            given = rig.values.given
+            merged = {use.position: written(use, held(rig.drive, rig.drive_object, use), given) for use in words}
+            rig.values = replace(rig.values, given={**given, **merged})
+            self.requests = rig.requests()
+            self.restoration.requests = tuple(self.requests)
+            self.restoration.given = rig.values.given
+
+    def end(self, run: Run[DriveScenario], status: int) -> None:
+        """Values, errors, wire."""
+        self.rig.called_alone = False
+        wanted = self.wanted
+        if self.rig.job.whole:  # the buffer may have changed; what is not whole is not delivered
+            wanted = self.due(run.scenario) if status == DONE else self.before
+        before = self.before
+        if self.rig.job.in_steps:
+            before = wanted = self.course.came(self.requests, self.before)
+            self.course.check(run.scenario, status)
+        restoration = self.restoration if self.rig.job.restores else None
+        if restoration is not None:
+            restoration.check(run.scenario, status, self.rig.db.get(CAUSE))
+        check_end(self.rig, run.scenario, self.requests, before, wanted, status, self.polled, restoration)
+        if self.rig.job.recipe is not None and self.rig.job.writes and run.scenario.checked:
+            check_refused(self.rig, run.scenario, status)
+        if self.rig.job.poll is not None:
+            check_saved(self.rig, status, self.saves if run.scenario.checked else None)
+        if self.asking is not None:
+            self.asking.end(status)
+        self.before = self.rig.delivered()
+        if self.rig.records is not None and not run.scenario.at_once:  # it counts in the start only
+            self.rig.damage(0, {})
+
+    def behind(self, run: Run[DriveScenario]) -> None:
+        """Execute comes again in the call after the end: the job is done once more."""
+        if not run.scenario.at_once:
+            return
+        self.rig.forget()
+        self.set_off(self.plain("once more"))
+        run.execute = run.fresh = True
+        limit = run.passed + self.rig.job.timeout + DRAIN_MS + longest_waits(self.rig.job)
+        while run.fresh or run.seen[0]:
+            run.step()
+            if run.passed > limit:
+                raise ScenarioError(f"still {self.where()} when it is done once more")
+        if run.seen != (False, True, False, DONE):
+            raise ScenarioError(f"done once more, it ends with 16#{run.seen[-1]:04X}")
+        if self.rig.job.in_steps or any(use.precedes for use in self.rig.job.uses):
+            self.before = self.rig.delivered()  # what a step waits for may have come differently; old values are others
+
+    def rest(self, run: Run[DriveScenario]) -> None:
+        """An idle job does nothing: values stay behind the end."""
+        if run.scenario.occupied or run.scenario.taken:
+            self.rig.leave()
+        run.fall()
+        if self.rig.delivered() != self.before:
+            raise ScenarioError("a value output changed after the end of the job")
+        self.fence.check()

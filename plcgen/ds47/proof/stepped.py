@@ -1,0 +1,36 @@
+"""What must hold of a sequence: which telegrams it sends and how long it may wait; by hand."""
+
+from __future__ import annotations
+
+from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram, Use
+from plcgen.ds47.proof.scenario import DriveScenario
+
+TRIGGERS = {15, 970, 971, 972, 973, 974, 976, 977, 3900, 3981}
+"""What starts something when it is written, as docs/generated-code.md lists them."""
+FAILED = ("failedStep", "failedParameter")
+"""Of a sequence: which step has failed, and which parameter."""
+
+
+def triggers(use: Use) -> bool:
+    """Whether a use starts something."""
+    return use.writes and use.parameter.pnu in TRIGGERS
+
+
+def overwritten(job: DriveJob, use: Use) -> bool:
+    """Whether a later step of a sequence writes the parameter too, or waits for another value of it."""
+    later = (one for one in job.uses if one.step > use.step and one.parameter.pnu == use.parameter.pnu)
+    return any(one.writes or one.awaited is not None for one in later)
+
+
+def longest_waits(job: DriveJob) -> int:
+    """Time in ms that the steps of a sequence may wait, their last questions and other jobs in between included."""
+    found = [telegram.awaited for telegram in job.telegrams if telegram.awaited is not None]
+    return sum(awaited.limit + 2 * awaited.interval + job.timeout for awaited in found)
+
+
+def route(job: DriveJob, scenario: DriveScenario) -> list[DriveTelegram]:
+    """The telegrams of a run in the order in which they are handed over; each once where a restart may come between."""
+    if not job.in_steps:
+        return list(job.telegrams) * scenario.rounds
+    questions = scenario.questions if scenario.again is not None else {}
+    return [one for one in job.telegrams for _ in range(questions.get(one.number, 1))]

@@ -1,0 +1,173 @@
+"""The parts of IMPORT.md about drives, line by line, and what the manifest says of jobs, stated a second time."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive, Use
+from plcgen.ds47.proof.wording.naming import labels, same_number
+from plcgen.proof.wording.model import GuideLine, unmarked
+
+OUTPUT, RECORD_47 = 0x8000, 47
+"""Bit 15 of the ID of an output address, and of the data records of PROFINET; the data record of PROFIBUS."""
+SAFETY = frozenset({3117, *range(9300, 9400), *range(9500, 10_300), 60_022})
+"""Parameters of Safety Integrated (lists of parameters in the TIA Portal information system)."""
+MOST_VALUES = 4
+_UNKNOWN = "nobody has classified what a write does"
+_OCTET = re.compile(r"(?:B#)?16#[0-9A-F]{2}")
+_SOURCE = re.compile(r"r(?P<number>\d+)\.(?P<index>\d+)(?:@(?P<object>\d+))?")
+SELF = 0x3F
+"""The drive object that is addressed, in bits 15..10 of a BICO value (G110M operating instructions p. 198)."""
+
+
+@cache
+def sentences() -> Mapping[str, Any]:
+    """Texts by what a block is and the name of a member, and the lines of the guide."""
+    return tomllib.loads((Path(__file__).parent / "sentences.toml").read_text("utf-8"))
+
+
+def _said(part: str, **words: object) -> list[str]:
+    return [line.format(**words) for line in sentences()["guide"][part]]
+
+
+def guide_before(plan: DrivePlan) -> list[GuideLine]:
+    """Which identifier leads to which drive; numbers of data blocks that lie outside the instances."""
+    asked = {job.drive.key for job in plan.jobs}
+    found = _said("identifiers", what="address" if plan.target.classic else "identifier")
+    found += [_drive(drive, classic=plan.target.classic) for drive in plan.drives if drive.key in asked]
+    numbered = [
+        buffer.db for job in plan.shapes for one in job.telegrams for buffer in one.buffers if buffer.db is not None
+    ]
+    if numbered:
+        found += [*_said("numbers"), *_said("v5" if plan.target.v5 else "tia"), *_said("buffers")]
+        found += [f"| {db.name} | DB{db.number} |" for db in numbered]
+    return [GuideLine(text) for text in found]
+
+
+def _drive(drive: PlannedDrive, *, classic: bool) -> str:
+    address = drive.id_value & ~OUTPUT if classic else drive.id_value
+    name = drive.id_name or f"{address}{', output' if classic and drive.id_value & OUTPUT else ''}"
+    index = f"16#{drive.record_index:X}" if drive.record_index >= OUTPUT else drive.record_index
+    where = "classic" if classic else "profibus" if drive.record_index == RECORD_47 else "profinet"
+    text = sentences()["guide"][where].format(object=drive.drive_object)
+    return f"| {drive.key} | `{name}` | {drive.drive_object} | {index} | {text} |"
+
+
+def behind(plan: DrivePlan) -> list[GuideLine]:
+    """What the blocks write: a row for every parameter of every telegram that is a change, for each drive."""
+    rows = [(job, use) for job in plan.jobs for use in job.own if use.writes]
+    if not rows:
+        return []
+    found = [*map(GuideLine, _said("writes")), *(_written(plan, job, use) for job, use in rows)]
+    for job, use in rows:
+        if use.parameter.pnu in SAFETY:
+            what = {"block": job.block.name, "parameter": labels(job)[use.position], "drive": job.drive.key}
+            found += map(GuideLine, _said("safety", **what))
+    return [*found, *map(GuideLine, _said("lost"))]
+
+
+def _written(plan: DrivePlan, job: DriveJob, use: Use) -> GuideLine:
+    front = unmarked(f"| {job.block.name} | {job.drive.key} | {labels(job)[use.position]} | {use.parameter.title} |")
+    end = unmarked(f"| {'; '.join(_notes(plan, job, use))} |")
+
+    def accepts(text: str) -> bool:
+        inside = text.removeprefix(front).removesuffix(end).strip()
+        return text.startswith(front) and text.endswith(end) and says_value(job, use, inside)
+
+    return GuideLine(f"{front} {use.data.hex(' ').upper()} {end}", accepts)
+
+
+def _notes(plan: DrivePlan, job: DriveJob, use: Use) -> Iterator[str]:
+    number = use.parameter.pnu
+    danger = plan.danger(job, use) or (_UNKNOWN if plan.unclassified(job, use) else "")
+    if danger:
+        yield f"{danger}; signed off: {plan.sign_off(job, number) or 'no'}"
+    if use.bits:
+        yield "all other bits as they are read in front of the write"
+    restores = plan.entry(job).on_error
+    if restores is not None and use not in job.saving:
+        signed = f", too; signed off: {restores.reason}"
+        runs = "restored if the job fails and the drive does not run"
+        yield f"restored while the drive runs{signed}" if restores.reason else runs
+    grade = use.parameter.grades.get("type", "read")
+    if grade != "read":
+        yield f"type {grade}, not read in a manual"
+
+
+def says_value(job: DriveJob, use: Use, text: str) -> bool:
+    """Whether a cell names what is written: constants, the start values of an input, or where else they come from."""
+    if job.recipe is not None and use.recorded:
+        return text == f"record of {job.recipe.db.name}"
+    if use in job.timed:
+        return text == "input, made of the time at utc"
+    if use.bits:
+        return text == "; ".join(map(_bit, use.bits))
+    if not use.constant:
+        if not (text.startswith("input, ") and text.endswith(" if nothing is connected")):
+            return False
+        text = text.removeprefix("input, ").removesuffix(" if nothing is connected")
+    return _all_values(use, text)
+
+
+def _bit(one: Use) -> str:
+    value = int(any(one.data))
+    return (
+        f"bit {one.bit} = {value}"
+        if one.constant
+        else f"bit {one.bit} = input {one.member}, {value} if nothing is connected"
+    )
+
+
+def _all_values(use: Use, text: str) -> bool:
+    """The first four values, and two points for more; octets in hexadecimal digits."""
+    if re.fullmatch(r"[0-9a-f]{2}(?: [0-9a-f]{2})*", text) and bytes.fromhex(text) == use.data:
+        return True
+    shown = text.removesuffix(", ..").split(", ") if not use.format.is_string else _letters(text)
+    step = 1 if all(map(_OCTET.fullmatch, shown)) else max(1, use.format.size)  # what has no type here is octets
+    pieces = [use.data[at : at + step] for at in range(0, len(use.data), step)]
+    if step == 1 and use.format.size > 1:
+        return _as_many(shown, pieces, text) and all(
+            int(said.rpartition("#")[2], 16) == piece[0] for said, piece in zip(shown, pieces, strict=False)
+        )
+    if not _as_many(shown, pieces, text):
+        return False
+    return all(_one_value(use, said, piece) for said, piece in zip(shown, pieces, strict=False))
+
+
+def _as_many(shown: Sequence[str], pieces: Sequence[bytes], text: str) -> bool:
+    return len(shown) == min(len(pieces), MOST_VALUES) and text.endswith(", ..") == (len(pieces) > MOST_VALUES)
+
+
+def _letters(text: str) -> list[str]:
+    return re.findall(r"(?:'(?:\$.|[^'])+'|[^,\s]+)(?=, |$)", text.removesuffix(", .."))
+
+
+def _one_value(use: Use, said: str, piece: bytes) -> bool:
+    if use.sources:
+        found = _SOURCE.fullmatch(said)
+        if found is None:
+            return False
+        value = int(found["number"]) << 16 | int(found["object"] or SELF) << 10 | int(found["index"])
+        return value == int.from_bytes(piece)
+    if said.startswith("'"):
+        return len(piece) == 1 and said.strip("'").encode("latin-1", "replace").endswith(piece)
+    return same_number(said, use, piece)
+
+
+def listed_job(job: DriveJob, sizes: Sequence[tuple[int, int]]) -> dict[str, object]:
+    """A job in the manifest: its telegrams as they lie on disk, and how long their answers are."""
+    telegrams = []
+    for telegram, (good, longest) in zip(job.telegrams, sizes, strict=True):
+        found: dict[str, object] = {"request": telegram.request.data.hex(" ").upper()}
+        if telegram.request.db is not None and telegram.response.db is not None:
+            found |= {
+                "request_db": f"DB{telegram.request.db.number}",
+                "response_db": f"DB{telegram.response.db.number}",
+            }
+        telegrams.append({**found, "positive_bytes": good, "longest_bytes": longest})
+    return {"job": job.key, "drive": job.drive.key, "block": job.block.name, "telegrams": telegrams}

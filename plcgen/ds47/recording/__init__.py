@@ -1,0 +1,1 @@
+"""Drive jobs in recorded runs: see ``plcgen.report.trace.face``."""

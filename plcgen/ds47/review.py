@@ -1,0 +1,53 @@
+"""Drive jobs as reviewers see them: their buffers, and what two versions of a spec have different."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from plcgen.base.telegrams.dissection import ByteField
+from plcgen.ds47.plan.nouns import DrivePlan, PlannedDrive
+from plcgen.ds47.wire.dissect import dissect_request
+from plcgen.project.nouns import Buffer, BufferField
+from plcgen.s7.compare.model import DriveState, JobState, TelegramState
+
+
+def buffers(plan: DrivePlan) -> Iterator[tuple[Buffer[BufferField], str]]:
+    """Every request and response buffer with what it is for."""
+    for job in plan.shapes:
+        for telegram in job.telegrams:
+            which = f" telegram {telegram.number}" if len(job.telegrams) > 1 else ""
+            yield telegram.request, f"request of {job.key}{which}, LEN {len(telegram.request.data)}"
+            lengths = f"positive {telegram.positive_length}, negative {telegram.negative_length} bytes"
+            yield telegram.response, f"response of {job.key}{which}, {lengths}"
+
+
+def links(plan: DrivePlan) -> Iterator[DriveState]:
+    """The drives."""
+    for drive in plan.drives:
+        yield DriveState(drive.key, "drive", drive.id_value, _settings(drive), plan.loaded.key_span(drive.path))
+
+
+def _settings(drive: PlannedDrive) -> tuple[tuple[str, str], ...]:
+    index = f"{drive.record_index} (16#{drive.record_index:04X})"
+    return (("device", drive.device.key), ("drive object", str(drive.drive_object)), ("record index", index))
+
+
+def jobs(plan: DrivePlan) -> Iterator[JobState]:
+    """The jobs with their telegrams."""
+    for job in plan.jobs:
+        telegrams = tuple(
+            TelegramState(t.request.data, t.positive_length, t.negative_length, t.response.size) for t in job.telegrams
+        )
+        timing = (
+            ("timeout", f"{job.timeout} ms"),
+            ("retry pause", f"{job.retry_pause} ms"),
+            ("retries", str(job.retries)),
+        )
+        trigger = tuple((name, address.text()) for name, address in job.trigger.items())
+        place = plan.loaded.key_span(job.path)
+        yield JobState(job.key, job.drive.key, telegrams, timing, trigger, place)
+
+
+def shown_request(data: bytes) -> list[ByteField]:
+    """A request field by field."""
+    return dissect_request(data)

@@ -1,0 +1,158 @@
+"""What drive jobs contribute to the documents: shared types, tokens, function blocks, parts of the import guide."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+from plcgen.build.members import plain
+from plcgen.build.nouns import Contribution, DataBlock, FunctionBlock, GuidePart
+from plcgen.ds47 import guards, hardware
+from plcgen.ds47.effects import UNCLASSIFIED
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
+from plcgen.ds47.plan.values import literals_text
+from plcgen.ds47.views.calls import CONTROL_TITLES, calls, part
+from plcgen.ds47.views.deviations import deviation_types
+from plcgen.ds47.views.engine import programs as engine_programs
+from plcgen.ds47.views.engine import types
+from plcgen.ds47.views.messages import entry_types
+from plcgen.ds47.views.program import program
+from plcgen.ds47.views.recipes import recipe_data, recipe_types
+
+
+def contribution(plan: DrivePlan) -> Contribution:
+    """Everything of a plan with jobs."""
+    engine = plan.engine
+    gate = plain(plan, "gate", f'"{engine.gate_type.name}"', "written by the channels and the gate")
+    return Contribution(
+        family="DS47",
+        jobs="drive jobs",
+        types=[*types(plan), *recipe_types(plan), *entry_types(plan), *deviation_types(plan)],
+        data=[
+            *(_unit(plan, unit) for unit in plan.units),
+            *recipe_data(plan),
+            DataBlock(engine.gate_db, "Places for record jobs", (gate,)),
+        ],
+        programs=_programs(plan),
+        controls={caller.control: part(plan, caller, CONTROL_TITLES) for caller in plan.callers},
+        tag_table="DriveJobTags",
+        guide=partial(_guide, plan),
+        manifest=partial(_manifest, plan),
+        system_blocks=("SFB52", "SFB53"),
+    )
+
+
+def _unit(plan: DrivePlan, unit: PlannedUnit) -> DataBlock:
+    drives = [drive for drive in plan.drives if drive.unit is unit]
+    shown = ", ".join(drive.key for drive in drives[:3])
+    member = plain(plan, "unit", f'"{plan.engine.unit.name}"', "shared by the channel and the jobs of the unit")
+    return DataBlock(unit.db, f"Unit {unit.key}: {shown}", (member,), (), drives[0].comment if len(drives) == 1 else {})
+
+
+def _programs(plan: DrivePlan) -> Iterator[FunctionBlock]:
+    """The engine, a block for each job of the spec, and the callers of their instances."""
+    yield from engine_programs(plan)
+    commands = []
+    for shape in plan.shapes:
+        instances = plan.instances(shape)
+        made = program(plan, shape, instances)
+        commands += list(zip(instances, made.commands, strict=True))
+        yield made
+    for caller in plan.callers:
+        yield calls(plan, caller, [(job, command) for job, command in commands if job.caller is caller])
+
+
+def _guide(plan: DrivePlan) -> tuple[list[GuidePart], list[GuidePart]]:
+    """Identifiers of the drives and numbers of the buffers; what is written."""
+    numbered = [
+        buffer.db for job in plan.shapes for telegram in job.telegrams for buffer in telegram.buffers if buffer.db
+    ]
+    writes = [_write_row(plan, job, use) for job in plan.jobs for use in job.own if use.writes]
+    before: list[GuidePart] = [("ds47/import_drives.md.j2", _identifiers(plan))]
+    if numbered:
+        before.append(("ds47/import.md.j2", {"numbered": numbered}))
+    return before, [("ds47/import_writes.md.j2", {"writes": writes})] if writes else []
+
+
+def _identifiers(plan: DrivePlan) -> dict[str, Any]:
+    """What leads to each drive that has a job, and where to compare it."""
+    used = {job.drive.key for job in plan.jobs}
+    classic = plan.target.classic
+    rows = [
+        {
+            "drive": drive.key,
+            "id": drive.id_name or _number(drive.id_value, classic=classic),
+            "object": drive.drive_object,
+            "index": drive.record_index if drive.record_index < 0x8000 else f"16#{drive.record_index:X}",
+            "where": hardware.lookup(drive, classic=classic),
+        }
+        for drive in plan.drives
+        if drive.key in used
+    ]
+    return {"what": "address" if classic else "identifier", "drives": rows}
+
+
+def _number(value: int, *, classic: bool) -> str:
+    return f"{value & 0x7FFF}, output" if classic and value & 0x8000 else str(value)
+
+
+def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
+    danger = plan.danger(job, use) or (UNCLASSIFIED if plan.unclassified(job, use) else "")
+    signed = plan.sign_off(job, use.parameter.pnu) if danger else None
+    value = literals_text(use, plan.target)
+    notes = [f"{danger}; signed off: {signed or 'no'}"] if danger else []
+    notes += ["all other bits as they are read in front of the write"] if use.bits else []
+    restores = plan.entry(job).on_error if use not in job.saving else None
+    if restores is not None and restores.reason:
+        notes.append(f"restored while the drive runs, too; signed off: {restores.reason}")
+    elif restores is not None:
+        notes.append("restored if the job fails and the drive does not run")
+    if use.parameter.grades.get("type", "read") != "read":
+        notes.append(f"type {use.parameter.grades['type']}, not read in a manual")
+    return {
+        "job": job.block.name,
+        "drive": job.drive.key,
+        "label": use.label,
+        "title": use.parameter.title,
+        "value": value if use.constant else _open(job, use, value),
+        "note": "; ".join(notes),
+        "safety": use.parameter.pnu in guards.SAFETY,
+    }
+
+
+def _open(job: DriveJob, use: Use, value: str) -> str:
+    """What comes from outside; a time that nothing is connected to is refused."""
+    if job.recipe is not None and use.recorded:
+        return f"record of {job.recipe.db.name}"
+    return "input, made of the time at utc" if use in job.timed else f"input, {value} if nothing is connected"
+
+
+def _numbers(telegram: DriveTelegram) -> dict[str, str]:
+    """Data blocks of a telegram that has its own."""
+    request, response = telegram.request.db, telegram.response.db
+    if request is None or response is None:
+        return {}
+    return {"request_db": f"DB{request.number}", "response_db": f"DB{response.number}"}
+
+
+def _manifest(plan: DrivePlan) -> dict[str, Any]:
+    """Jobs with their telegrams."""
+    jobs = [
+        {
+            "job": job.key,
+            "drive": job.drive.key,
+            "block": job.block.name,
+            "telegrams": [
+                {
+                    "request": telegram.request.data.hex(" ").upper(),
+                    **_numbers(telegram),
+                    "positive_bytes": telegram.positive_length,
+                    "longest_bytes": telegram.response.size,
+                }
+                for telegram in job.telegrams
+            ],
+        }
+        for job in plan.jobs
+    ]
+    return {"jobs": jobs}

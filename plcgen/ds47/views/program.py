@@ -1,0 +1,503 @@
+"""View of a job's function block: every name, number and table row that its template writes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from plcgen.base.diagnostics.counting import shortlist
+from plcgen.build.control import signals
+from plcgen.build.nouns import CallerValue, Command, FunctionBlock
+from plcgen.build.simaticml import RECORD_NOTE
+from plcgen.build.spelling import clean_title, comment_text, encodable, literal, one_line
+from plcgen.ds47.kinds.registry import kind_called
+from plcgen.ds47.plan.fields import interface_type
+from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
+from plcgen.ds47.plan.pack import BLOCK_HEADER
+from plcgen.ds47.plan.types import element_type
+from plcgen.ds47.views.bits import bit_inputs, merges
+from plcgen.ds47.views.clock import clock_view, time_inputs
+from plcgen.ds47.views.deviations import compared_view, deviation_values, deviations_view, right_answer
+from plcgen.ds47.views.engine import engine_names, versions
+from plcgen.ds47.views.messages import list_values, messages_view
+from plcgen.ds47.views.readback import readback_view, stops
+from plcgen.ds47.views.recipes import recipe_inputs, recipe_values, recipe_view
+from plcgen.ds47.views.restore import cause_value, restore_view
+from plcgen.ds47.views.rows import buffer_blocks, interface_row
+from plcgen.ds47.views.steps import condition_text, sequence_view, step_values
+from plcgen.ds47.wire.model import HEADER_SIZE
+from plcgen.ds47.words import (
+    ACKNOWLEDGE_WORDS,
+    CLOCK_WORDS,
+    ERROR_DEVIATES,
+    MESSAGE_WORDS,
+    RECIPE_WORDS,
+    RESTORE_WORDS,
+    SAVE_WORDS,
+    SEQUENCE_WORDS,
+    STATUS_WORDS,
+    VERIFY_WORDS,
+)
+from plcgen.s7.types.data_types import ArrayType, DataType, Elementary
+
+
+def program(plan: DrivePlan, job: DriveJob, instances: Sequence[DriveJob]) -> FunctionBlock:
+    """The function block of a job with its buffers and the commands of its instances."""
+    label = _job_title(plan, job)
+    return FunctionBlock(
+        block=job.block,
+        instance=None,
+        title=label,
+        template="ds47/job.scl.j2",
+        view=_view(plan, job, label),
+        note=RECORD_NOTE,
+        buffers=buffer_blocks(plan, job, label),
+        commands=tuple(command(plan, one, label) for one in instances),
+        telegrams=[
+            f"request `{telegram.request.data.hex(' ').upper()}` (LEN {len(telegram.request.data)}), "
+            f"good answer {telegram.positive_length} bytes, longest answer {telegram.response.size} bytes"
+            for telegram in job.telegrams
+        ],
+    )
+
+
+def command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
+    """An instance as its caller sees it."""
+    return Command(
+        control=job.caller.control,
+        member=job.member,
+        stem=job.member,
+        title=label if job.key == job.shape else f"{label} ({job.drive.key})",
+        flags=dict(job.trigger.items()),
+        signals=signals(plan),
+        inputs=[
+            *recipe_inputs(plan, job),
+            *(_value(plan, use, start=True) for use in job.inputs),
+            *(CallerValue(row, ()) for row in time_inputs(plan, job)),
+        ],
+        outputs=[
+            *step_values(plan, job),
+            *cause_value(plan, job),
+            *recipe_values(plan, job),
+            *(_value(plan, use, start=False) for use in job.outputs),
+            *_lists(plan, job),
+        ],
+    )
+
+
+def _lists(plan: DrivePlan, job: DriveJob) -> list[CallerValue]:
+    """What the block delivers instead of single values."""
+    return [*list_values(plan, job), *deviation_values(plan, job)]
+
+
+def _value(plan: DrivePlan, use: Use, *, start: bool) -> CallerValue:
+    type_ = interface_type(use.format, use.count, use.subindex, plan.target)
+    if not isinstance(type_, Elementary):
+        return CallerValue(interface_row(plan, use, start=start), ())
+    shown = {"REAL": "FloatingPoint", "LREAL": "FloatingPoint", "BOOL": "Bool"}.get(type_.name, "DEC")
+    return CallerValue(interface_row(plan, use, start=start), (("", shown),))
+
+
+def _view(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
+    return {
+        "job": _job(plan, job, label),
+        "features": [_FEATURE.format(name) for name in _features(job)],
+        "names": engine_names(plan),
+        "slots": plan.variant.slots,
+    }
+
+
+def _job_title(plan: DrivePlan, job: DriveJob) -> str:
+    """One-line title of a job."""
+    own = kind_called(job.kind).title
+    text = _accesses(job) if own is None else own(getattr(plan.entry(job), job.kind))
+    return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
+
+
+def _accesses(job: DriveJob) -> str:
+    """What is done with which parameters."""
+    verb = job.kind.capitalize() + (" and read back" if job.verified else "")
+    uses = [use for use in job.uses if use.poll is None and use.verifies is None and use.modifies is None]
+    then = ""
+    if job.restores:
+        uses, then = [use for use in uses if use.writes], ", or restore"
+    if job.verified and job.poll is not None:
+        uses, then = uses[:-1], f", then save{then}"
+    labels = shortlist([use.label for use in uses], 4)
+    if job.recipe is not None:
+        verb, labels = verb.replace("_recipe", ""), f"recipe {job.recipe.key}"
+    return f"{verb} {labels}{then}"
+
+
+def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
+    where = plan.target
+    aligned = _aligned(job)
+    features = _features(job)
+    recipe = None if job.recipe is None else recipe_view(plan, job, job.recipe)
+    restore = None if not job.restores else restore_view(plan, job)
+    comments = [job.comment[lang] for lang in plan.languages if job.comment.get(lang)]
+    return {
+        "block": job.block,
+        "poll": None if job.poll is None else _poll(job),
+        "verify": None if not job.verified else readback_view(job),
+        "restore": restore,
+        "messages": None if job.messages is None else messages_view(plan, job, job.messages),
+        "deviations": None if job.deviations is None else deviations_view(job, job.deviations),
+        "sequence": None if not job.in_steps else sequence_view(plan, job),
+        "clock": clock_view(plan, job),
+        "clock_version": versions(plan)["TON_TIME"],
+        "statuses": _statuses(features, recipe, restore),
+        **_behaviour(job, features),
+        "pinned": job.pinned,
+        "many": len(job.telegrams) > 1,
+        "telegram_count": len(job.telegrams),
+        "title": label,
+        "comment_lines": [one_line(text) for text in comments[1:] if encodable(text, where)],
+        "labels": [_label(plan, job, use) for use in job.uses],
+        "order": _order(job),
+        "response_size": job.telegrams[0].response.size,
+        "use_count": len(job.uses),
+        "use_numbers": range(1, len(job.uses) + 1),
+        "in_a_row": len(job.uses) > _UNROLLED,
+        "recipe": recipe,
+        "fills_requests": not job.pinned
+        and job.deviations is None
+        and (any(use.bit is None for use in job.supplied) or bool(job.timed)),
+        "inputs": [
+            *(value.member for value in recipe_inputs(plan, job)),
+            *(interface_row(plan, use, start=True) for use in job.inputs),
+            *time_inputs(plan, job),
+        ],
+        "outputs": [
+            *(value.member for value in (*step_values(plan, job), *cause_value(plan, job), *recipe_values(plan, job))),
+            *(interface_row(plan, use, start=False) for use in job.outputs),
+            *(value.member for value in _lists(plan, job)),
+        ],
+        "telegrams": [_telegram(plan, job, telegram, aligned=aligned) for telegram in job.telegrams],
+        "input_copies": [
+            copy
+            for telegram in job.telegrams
+            if not job.pinned
+            for copy in _copies(plan, job, telegram, aligned=aligned, response=False)
+        ],
+        "bit_inputs": list(bit_inputs(job)),
+        "own_writes": _own_writes(plan, job) if job.pinned else [],
+    }
+
+
+_WORDS = {
+    "save": SAVE_WORDS,
+    "acknowledge": ACKNOWLEDGE_WORDS,
+    "readback": (("ERROR_DEVIATES", ERROR_DEVIATES, "of a parameter: the drive has another value"), *VERIFY_WORDS),
+    "restore": RESTORE_WORDS,
+    "messages": MESSAGE_WORDS,
+    "clock": CLOCK_WORDS,
+    "recipe": RECIPE_WORDS,
+    "waiting_sequence": SEQUENCE_WORDS,
+}
+"""What only a block with a feature reports."""
+
+
+def _statuses(
+    features: list[str], recipe: dict[str, Any] | None, restore: dict[str, Any] | None
+) -> list[tuple[str, str, str]]:
+    """Constants of a block that it reports: name, literal, text.
+
+    Outside its limits is only a value that is checked; that the drive runs matters only to a block that asks for it.
+    """
+    never = {
+        *(() if recipe is not None and recipe["checks"] else ("STATUS_OUTSIDE",)),
+        *(() if restore is not None and restore["state"] else ("STATUS_RUNS",)),
+    }
+    words = (row for feature in features for row in _WORDS.get(feature, ()))
+    return [(name, f"W#16#{value:04X}", text) for name, value, text in words if name not in never]
+
+
+def _features(job: DriveJob) -> list[str]:
+    """What a job does besides sending and taking: files in ``templates/ds47/features``, in the order they declare."""
+    steps = "waiting_sequence" if any(use.awaited is not None for use in job.uses) else "sequence"
+    found = {
+        "save": job.poll is not None and job.poll.saves,
+        "acknowledge": job.poll is not None and not job.poll.saves,
+        "readback": job.verified,
+        "restore": job.restores,
+        "messages": job.messages is not None,
+        "compare": job.deviations is not None,
+        "clock": job.clock is not None,
+        "recipe": job.recipe is not None,
+        steps: job.in_steps,
+    }
+    return [name for name, has in found.items() if has]
+
+
+_FEATURE = "ds47/features/{}.scl.j2"
+_RESULTS = ("restore", "save", "acknowledge", "sequence", "waiting_sequence", "messages", "readback", "clock")
+"""Features that say how a job has ended: the first one says it for all."""
+
+
+def _behaviour(job: DriveJob, features: list[str]) -> dict[str, Any]:
+    """What the frame around the features must know.
+
+    ``result``: the template of the one that says how the job has ended, if any does. ``waits``: whether the job leaves
+    the unit between two questions; ``refuses``: whether a start may be refused; ``open_end``: whether the last telegram
+    is known only while it runs; ``goes_on``: whether it saves if what it has written is right, and restores if not;
+    ``fails``: whether it may fail although every telegram was answered well; ``constants``: whether it declares any.
+    """
+    has = set(features).intersection
+    return {
+        "result": next((_FEATURE.format(name) for name in _RESULTS if name in features), ""),
+        "constants": any(name not in {"sequence", "compare"} for name in features),
+        "saves": "save" in features,
+        "waits": "waiting_sequence" in features,
+        "execute": "tempExecute" if "waiting_sequence" in features else "execute",
+        "refuses": bool(has({"save", "clock"})),
+        "open_end": bool(has({"save", "acknowledge", "messages", "restore", "waiting_sequence"})) or stops(job),
+        "goes_on": {"save", "restore"} <= set(features),
+        "fails": bool(has({"save", "acknowledge", "readback", "messages", "sequence", "waiting_sequence"})),
+    }
+
+
+_REFUSED = {"STATUS_WRITE_ERROR", "STATUS_PARAMETER_ERROR", "STATUS_NOT_SUPPORTED"}
+"""Results of a change of one parameter that the drive has not taken."""
+
+
+def _poll(job: DriveJob) -> dict[str, Any]:
+    """What a block needs that repeats its last telegram: times in ms, where the value lies.
+
+    ``asked`` is the number of the telegram that saves or acknowledges, ``before`` that of the one in front of it.
+    """
+    asked, poll = job.telegrams[-1], job.poll
+    assert poll is not None  # noqa: S101 - only a job with one comes here
+    first = HEADER_SIZE + BLOCK_HEADER
+    first_code, last_code = _places(asked, asked.parts[-1])
+    return {
+        "interval": poll.interval,
+        "limit": poll.limit,
+        "distance": poll.distance,
+        "refused": [f"W#16#{value:04X}" for name, value, _ in STATUS_WORDS if name in _REFUSED],
+        "bytes": range(first, first + asked.parts[0].size),
+        "first_code": first_code,
+        "last_code": last_code,
+        "asked": job.telegrams.index(asked),
+        "before": job.telegrams.index(asked) - 1,
+    }
+
+
+def _places(telegram: DriveTelegram, part: Part) -> tuple[int, int]:
+    """First and last byte of the values of a part in a good answer."""
+    field = next(field for field in telegram.response.fields if field.role == "value" and field.part is part)
+    return field.offset, field.offset + part.size - 1
+
+
+def _order(job: DriveJob) -> list[tuple[str, str]]:
+    """What goes with the requests and differs from the start values of the type."""
+    standard = (
+        ("timeout", job.timeout, 10_000, "L#"),
+        ("pause", job.retry_pause, 200, "L#"),
+        ("retries", job.retries, 40, ""),
+    )
+    found = [(name, f"{prefix}{value}") for name, value, default, prefix in standard if value != default]
+    if job.once and job.poll is None and not job.in_steps:
+        found.append(("once", "TRUE"))
+    if job.pinned:
+        found.append(("pinned", "TRUE"))
+    return found
+
+
+def _label(plan: DrivePlan, job: DriveJob, use: Use) -> str:
+    """Line of the header: which index of ``errors`` belongs to which parameter."""
+    if use.awaited is not None:
+        title = f", {use.parameter.title}" if use.parameter.title else ""
+        return one_line(f"{use.position}: step {use.step} waits for {condition_text(plan, job, use)}{title}")
+    does = "writes" if use.writes else "compares" if use.compared else "reads" if use.verifies is None else "reads back"
+    does = does if use.remembers is None else "remembers"
+    does += " again" if use.again is not None else ""
+    does = f"step {use.step} {does}" if use.step else does
+    text = f"{use.position}: {does} {use.label} {use.parameter.title}"
+    return one_line(text)
+
+
+_UNROLLED = 2
+"""Parameters of a telegram whose results are copied one by one: fewer bytes than a loop."""
+
+
+def _single_bool(use: Use) -> bool:
+    return use.format.name == "Boolean" and use.count == 1
+
+
+def _aligned(job: DriveJob) -> bool:
+    """Every parameter lies whole in one telegram: its place there and its index in ``errors`` go in step."""
+    return sum(len(telegram.parts) for telegram in job.telegrams) == len(job.uses)
+
+
+def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligned: bool) -> dict[str, Any]:
+    first = telegram.parts[0].use.position
+    closes = telegram.parts[0].use.again is not None
+    blocks = [_block(index, part) for index, part in enumerate(telegram.parts, 1)]
+    return {
+        "writes": telegram.writes,
+        "saves": telegram.writes and telegram.parts[0].use in job.saving,
+        "asks": telegram.parts[0].use.poll is not None,
+        "step": telegram.step,
+        "once": "TRUE" if telegram.once else "FALSE",
+        "awaited": telegram.awaited,
+        "closes": closes,
+        "read_back": any(part.use.verifies is not None for part in telegram.parts),
+        "taken": f"{_way(job, telegram)}:" if _way(job, telegram) else "ELSE",
+        "built": f"{_built(job, telegram)}:" if _way(job, telegram) else "ELSE",
+        "merges": list(merges(job, telegram)),
+        "keeps": not telegram.writes and not closes and job.deviations is None,
+        "wanted": _bytes(right_answer(telegram), v5=plan.target.v5) if job.deviations is not None else "",
+        "compares": None if job.deviations is None else compared_view(job, telegram, job.deviations),
+        "asks_for_inputs": job.deviations is not None
+        and any(part.use.compared and not part.use.constant for part in telegram.parts),
+        "suffix": job.suffix(telegram),
+        "request_type": telegram.request.type.name,
+        "response_type": telegram.response.type.name,
+        "request_length": len(telegram.request.data),
+        "request_last": len(telegram.request.data) - 1,
+        "bytes": _bytes(telegram.request.data, v5=plan.target.v5),
+        "response_last": telegram.response.size - 1,
+        "positive_last": min(telegram.positive_length, telegram.response.size) - 1,
+        "count": len(telegram.parts),
+        "in_a_row": aligned and len(telegram.parts) > _UNROLLED,
+        "use_shift": f" + {first - 1}" if first > 1 else "",
+        "blocks": blocks,
+        # a question that follows the one in which it was the first expects what is expected already
+        "copies": _copies(plan, job, telegram, aligned=aligned, response=True) if not job.whole else [],
+        "stores": [copy for one in job.telegrams for copy in _copies(plan, job, one, aligned=aligned, response=True)]
+        if job.stores and telegram is job.telegrams[-1]
+        else [],
+        "expects": []
+        if telegram.writes or (closes and telegram.number == 2) or telegram is _asked_before(job)
+        else blocks,
+    }
+
+
+RETURNS = (4, 5, 6)
+"""Telegrams of a job that restores: it asks what the drive has, writes old values back, asks again. They are no planned
+ones: in a block that may save instead, what saves is counted behind them."""
+
+
+def _way(job: DriveJob, telegram: DriveTelegram) -> int:
+    """Under which number a block finds what belongs to a telegram; 0 for one that is sent again and again."""
+    if telegram is job.telegrams[-1] and (job.poll is not None or job.messages is not None or job.waits):
+        return 0
+    return telegram.number + (len(RETURNS) if job.restores and telegram.number >= RETURNS[0] else 0)
+
+
+def _built(job: DriveJob, telegram: DriveTelegram) -> str:
+    """The telegrams that are built like a planned one: what is read back asks for the old values, too."""
+    first, _, last = RETURNS
+    again = f", {first}, {last}" if job.restores and telegram.number == first - 1 else ""
+    return f"{_way(job, telegram)}{again}"
+
+
+def _asked_before(job: DriveJob) -> DriveTelegram | None:
+    """The question of a job that restores whose answer is like that to the old values."""
+    return job.telegrams[RETURNS[0] - 2] if job.restores else None
+
+
+def _bytes(data: bytes, *, v5: bool) -> str:
+    """Start value of an array of bytes."""
+    values = ", ".join(f"B#16#{byte:02X}" for byte in data)
+    return values if v5 else f"[{values}]"
+
+
+def _block(index: int, part: Part) -> dict[str, Any]:
+    return {
+        "index": index,
+        "label": part.use.label if part.whole else f"{part.use.label} from index {part.subindex}",
+        "use": part.use.position,
+        "expected": f"DW#16#{part.use.format.code:02X}{part.count:02X}00{part.size:02X}",
+    }
+
+
+def _copies(
+    plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligned: bool, response: bool
+) -> list[dict[str, Any]]:
+    """Moves between the block's interface and the value members of the buffers of a telegram."""
+    copies: list[dict[str, Any]] = []
+    wanted = job.deviations is not None
+    if telegram.writes == response and not wanted:
+        return copies
+    view = f"stat{'Wanted' if wanted else 'Response' if response else 'Request'}View{job.suffix(telegram)}"
+    blocks = {id(part): number for number, part in enumerate(telegram.parts, 1)}
+    for field in telegram.response.fields if response or wanted else telegram.request.fields:
+        if field.role != "value" or field.part is None or (not response and field.part.use.constant):
+            continue
+        if field.part.use in job.timed:
+            continue
+        copy = _copy(plan, field, field.part, f"{view}.{field.name}", response=response)
+        result = f"errors[{field.part.use.position}]"
+        if not aligned:
+            result = f"unit.errors[{blocks[id(field.part)]}]"
+        verifies = field.part.use.verifies is not None
+        copies.append({**copy, "result": result, "verifies": verifies})
+    return copies
+
+
+_CELLS = {1: ("BYTE", "DBB", "DB"), 2: ("WORD", "DBW", "DW"), 4: ("DWORD", "DBD", "DD")}
+"""Cells of a data block by size: type, and how TIA and STEP 7 V5 call them."""
+
+
+def _own_writes(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
+    """Assignments that put the drive object and the inputs into a request that has its own data block."""
+    mark = "" if plan.target.v5 else "#"
+    found = []
+    for field in job.telegrams[0].request.fields:
+        if field.role == "drive_object":
+            found.append((_cell(plan, field.offset, 1), f"{mark}driveObject"))
+        if field.role != "value" or field.part is None or field.part.use.constant:
+            continue
+        name = f"{mark}{field.part.use.member}"
+        type_: DataType = field.type
+        low: int | None = None
+        if isinstance(type_, ArrayType):
+            low, type_ = type_.bounds[0][0], type_.element
+        if not isinstance(type_, Elementary):
+            continue
+        size = type_.bits // 8
+        for number in range(field.size // size):
+            source = name if low is None else f"{name}[{low + number}]"
+            own = interface_type(field.part.use.format, 1, field.part.use.subindex, plan.target)
+            cell = _CELLS[size][0]
+            given = own.name if isinstance(own, Elementary) else type_.name
+            found.append((_cell(plan, field.offset + number * size, size), _as_cell(source, given, cell)))
+    return found
+
+
+def _cell(plan: DrivePlan, offset: int, size: int) -> str:
+    _, tia, v5 = _CELLS[size]
+    return f"requestDb.{v5}[{offset}]" if plan.target.v5 else f"#requestDb.%{tia}{offset}"
+
+
+def _as_cell(source: str, type_: str, cell: str) -> str:
+    """A value as the bytes that hold it."""
+    if type_ == cell:
+        return source
+    if type_ == "BOOL":
+        return f"WORD_TO_BYTE(INT_TO_WORD(BOOL_TO_INT({source})))"
+    return f"{type_}_TO_{cell}({source})"
+
+
+def _copy(plan: DrivePlan, field: DriveField, part: Part, member: str, *, response: bool) -> dict[str, Any]:
+    """One move; ``shift`` is what the interface's index is ahead of the buffer's index in a split array."""
+    own = part.use.member
+    if part.use.recorded:
+        mark = "" if plan.target.v5 else "#"
+        own = f"records[{mark}{'statRecord' if response else 'recordNumber'}].{own}"
+    view: dict[str, Any] = {"bool": _single_bool(part.use), "loop": False, "shift": ""}
+    if isinstance(field.type, Elementary) and part.use.count > 1:
+        own = f"{own}[{part.subindex}]"
+    if view["bool"] and isinstance(field.type, Elementary):
+        view["one"] = literal(field.type, b"\x01", v5=plan.target.v5)
+        view["zero"] = literal(field.type, b"\x00", v5=plan.target.v5)
+    if isinstance(field.type, ArrayType):
+        low = field.type.bounds[0][0]
+        bytewise = not part.use.format.is_string and element_type(part.use.format, plan.target) is None
+        view["loop"] = True
+        view["first"], view["last"] = low, low + (part.size if bytewise else part.count) - 1
+        if bytewise and part.start:
+            view["shift"] = f" + {part.start * part.use.format.size}"
+    return {**view, "interface": own, "member": member, "response": response}

@@ -1,1 +1,0 @@
-"""What reviewers ask: layouts, differences, locks, audits."""

@@ -1,0 +1,92 @@
+"""What was heard while an answer was waited for: the evidence behind "no answer", so that it names the right cause."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from enum import Enum
+
+from plcgen.base.diagnostics.counting import quantity
+from plcgen.ppi.wire.fdl import LEAST_LENGTH, MOST_LENGTH, SD2
+
+_HEAD = 6
+"""Bytes of an SD2 frame that tell whose it is: 68 LE LE 68 DA SA."""
+
+
+class HeardKind(Enum):
+    """What one frame that we sent was answered with."""
+
+    SILENCE = "silence"
+    DAMAGED = "damaged"
+    BROKEN = "broken"
+    BUSY = "busy"
+    NOT_READY = "not ready"
+    OTHER = "other"
+
+
+@dataclass(slots=True)
+class Heard:
+    """One exchange: ``outcomes`` in their order, ``damaged`` pieces that are no frame, ``broken`` the bytes of the last
+    frame that broke off, ``other`` what was wrong with the last answer to something else.
+    """
+
+    outcomes: list[HeardKind] = field(default_factory=list)
+    damaged: int = 0
+    broken: int = 0
+    other: str = ""
+
+    def nothing(self, damaged_before: int, rest: bytes, own: int, station: int, *, garbage: bool) -> None:
+        """No frame came in time: ``rest`` is what waits for more, ``garbage`` says that bytes were no frame."""
+        answer = begins(rest, own, station)
+        if answer and len(rest) < rest[1] + _HEAD:  # LE counts from DA to the byte before FCS
+            self.broken = len(rest)
+            self.outcomes.append(HeardKind.BROKEN)
+            return
+        self.damaged += garbage or answer
+        self.outcomes.append(HeardKind.DAMAGED if self.damaged > damaged_before else HeardKind.SILENCE)
+
+    @property
+    def cause(self) -> HeardKind:
+        """An answer to something else if there was one, as E5 without end follows it; else what came most often."""
+        if HeardKind.OTHER in self.outcomes:
+            return HeardKind.OTHER
+        counts = Counter(self.outcomes)
+        most = max(counts.values(), default=0)
+        return next((each for each in reversed(self.outcomes) if counts[each] == most), HeardKind.SILENCE)
+
+    @property
+    def garbled(self) -> bool:
+        """Whether damage is the cause: the answer was there and did not arrive."""
+        return self.cause in {HeardKind.DAMAGED, HeardKind.BROKEN}
+
+    def text(self, station: int, tries: str) -> tuple[str, str]:
+        """Message and help; ``tries`` says what was done in vain: ``3 times sent``."""
+        cause = self.cause
+        if cause is HeardKind.BUSY:
+            return f"station {station} has no resource (NACK 02h, {tries})", "the CPU is busy: try again later"
+        if cause is HeardKind.BROKEN:
+            what = f"a frame from station {station} broke off after {self.broken} bytes ({tries})"
+            return what, "raise --timeout: the line is slow or delivers in pieces"
+        if cause is HeardKind.DAMAGED:
+            frames = quantity(self.damaged, "damaged frame")
+            return (
+                f"{frames} instead of an answer from station {station} ({tries})",
+                "check baud rate, parity and wiring",
+            )
+        if cause is HeardKind.NOT_READY:
+            return f"station {station} is not ready: E5 without end ({tries})", "the CPU is busy: try again later"
+        if cause is HeardKind.OTHER:
+            help_ = "try again; plcgen ppi decode explains a capture of the line"
+            return f"no answer from station {station} ({tries}): {self.other}", help_
+        help_ = "check station address, baud rate, cable and adapter, and that the CPU is on"
+        return f"station {station} does not answer ({tries})", help_
+
+
+def begins(data: bytes, own: int, station: int) -> bool:
+    """Whether bytes are surely the beginning of an answer: its head with both lengths, for us, from the station."""
+    return (
+        len(data) >= _HEAD
+        and data[0] == data[3] == SD2
+        and LEAST_LENGTH <= data[1] == data[2] <= MOST_LENGTH
+        and (data[4], data[5]) == (own, station)
+    )

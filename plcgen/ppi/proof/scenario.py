@@ -1,0 +1,128 @@
+"""One scenario: what line, station and CPU do to a job of a PPI master, and what it must report.
+
+Expectations come from docs/ppi-master.md, EN 50170 and the manuals of the modules, never from a run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob
+from plcgen.ppi.proof.replies import Bend, Edit
+from plcgen.ppi.proof.words import DONE, WORDS
+from plcgen.ppi.sim import Fault, FaultKind
+from plcgen.ppi.sim.faults import At
+from plcgen.proof.scenario import Scenario
+
+PAUSE = 40
+"""Milliseconds between the two parts of a reply: many times the gap that ends a message."""
+LATE_MS = 100
+POLL_MS = 60
+"""Milliseconds that a poll and E5 take in scans of 2 ms."""
+SCAN_MS = 10
+"""Milliseconds between two calls where a scenario says nothing else."""
+FRAME_MS = 300
+"""Milliseconds that the longest frame takes at 9600 bit/s: 255 characters of 11 bits."""
+LOST_SCANS = 3
+"""When the clock of a master on S7-1200/1500 starts again, its timer needs two calls to run: that time is lost."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PpiScenario(Scenario):
+    """One run of a job of a PPI master.
+
+    The line: ``faults`` of the simulated stations; ``edit`` changes the PDU of every reply, whose frame stays right,
+    ``bend`` the bytes of the first one, which is ``broken`` behind so many bytes (from the end if negative) and goes on
+    ``rest`` ms later, with ``again`` bytes and another break if that is not 0; ``only``: one reply comes, so many ms
+    late, and E5 instead of every other one, before it too if it is ``unready``;
+    ``echo`` lets the module hear what it sends while it sends it.
+
+    The module: ``port`` maps the n-th transmission (0: every one) to a STATUS it fails with, ``hang`` keeps
+    transmissions busy, ``stuck`` a RESET, too; ``refusals`` are what its other blocks fail with, ``gone`` takes it
+    away, ``forgets``: it has been without power, but not the CPU.
+
+    The CPU: ``fresh`` restarts it first, ``wild`` scans take anything up to the longest cycle of OB1, ``twice``: every
+    second one takes 0 ms, ``measured`` runs tell their longest scan.
+
+    Expected: ``polls`` is what the diagnostics must say (None: not checked), ``errors`` those of the addresses by
+    position, ``header`` and ``module`` the error words, ``pace`` the ms behind the first frame, behind every other one
+    but the last, and from the last to the end of the job, ``ignored`` and ``damaged`` how many frames are counted so.
+    """
+
+    faults: tuple[Fault, ...] = ()
+    port: Mapping[int, int] = field(default_factory=dict)
+    hang: bool = False
+    stuck: bool = False
+    refusals: Mapping[str, int] = field(default_factory=dict)
+    edit: Edit | None = None
+    bend: Bend | None = None
+    broken: int = 0
+    again: int = 0
+    rest: int = PAUSE
+    only: int = 0
+    unready: bool = False
+    echo: bool = False
+    forgets: bool = False
+    gone: bool = False
+    fresh: bool = False
+    polls: int | None = 1
+    errors: Mapping[int, int] = field(default_factory=dict)
+    header: int = 0
+    module: int = 0
+    pace: tuple[int, int, int] | None = None
+    wild: bool = False
+    twice: bool = False
+    measured: bool = False
+    ignored: int | None = None
+    damaged: int | None = None
+
+    @property
+    def intact(self) -> bool:
+        """Whether a reply whose frame is right is right."""
+        return self.edit is None and self.bend is None and not self.restarts
+
+    @property
+    def restarts(self) -> bool:
+        """Whether the CPU starts again in the middle of the job: what was before is forgotten."""
+        return any(happening in {"cold", "warm"} for happening in self.happens.values())
+
+
+def fault(kind: str, at: At = "any", times: int | None = 1, **more: int) -> Fault:
+    """One fault of the simulated line; ``times`` None is forever."""
+    data = b"\xff\x00" if kind == "noise" else b""
+    return Fault(FaultKind(kind), times=times, at=at, data=data, **more)
+
+
+def answered_again(master: PlannedMaster) -> tuple[int, ...]:
+    """What comes of one frame that is lost: nothing, if it may be repeated."""
+    return (DONE,) if master.retries else (WORDS["NO_ANSWER"],)
+
+
+def lost_once(master: PlannedMaster, polls: int = 1) -> dict[str, Any]:
+    """Expectations of a run in which one frame is lost; ``polls`` is how many there were if that was the end."""
+    return {
+        "status": answered_again(master),
+        "retries": min(1, master.retries),
+        "polls": 1 if master.retries else polls,
+    }
+
+
+def in_time(master: PlannedMaster, job: PpiJob, scenario: PpiScenario) -> PpiScenario:
+    """The same scenario; if all that it may take does not surely fit the timeout of the job, it may end so, too."""
+    retries = master.retries if scenario.retries is None else scenario.retries
+    polls = master.polls if scenario.polls is None else scenario.polls
+    length = master.ob1_cycle if scenario.wild else scenario.scan
+    once = FRAME_MS * 9600 // master.baud + 8 * length
+    wait = max(master.ack_timeout, master.reply_timeout) + master.retry_pause
+    frames = len(job.telegrams) + (job.kind != "read")  # in front of the first may be the harmless read
+    slow = len(job.telegrams) * 2 * once + sum(
+        each.milliseconds for each in scenario.faults if each.kind is FaultKind.LATE
+    )
+    # a fault that never ends strikes every telegram of a job that goes on nevertheless
+    strikes = frames if DONE in scenario.status and any(each.times is None for each in scenario.faults) else 1
+    lost = strikes * (retries * (wait + once) + polls * (master.poll_pause + once))
+    if slow + once + lost < job.timeout or scenario.took:
+        return scenario
+    return replace(scenario, status=(*scenario.status, WORDS["TIMEOUT"]), retries=None, polls=None)

@@ -1,0 +1,253 @@
+"""What PPI masters contribute to verification."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from plcgen.base.diagnostics import Span
+from plcgen.base.diagnostics.counting import quantity, shortlist
+from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
+from plcgen.ppi.proof.calls import cpu_scenarios
+from plcgen.ppi.proof.conduct import MasterConduct
+from plcgen.ppi.proof.core_scenarios import core_scenarios
+from plcgen.ppi.proof.ledger import ledger
+from plcgen.ppi.proof.line_scenarios import line_scenarios
+from plcgen.ppi.proof.module_scenarios import module_scenarios
+from plcgen.ppi.proof.pace_scenarios import pace_scenarios
+from plcgen.ppi.proof.rig import MasterRig
+from plcgen.ppi.proof.scenario import POLL_MS, PpiScenario, in_time
+from plcgen.ppi.proof.stated.checks import stated_checks
+from plcgen.ppi.proof.telegrams import check_telegrams
+from plcgen.ppi.proof.together import ROW, procedures
+from plcgen.ppi.proof.wording import PpiWording
+from plcgen.ppi.proof.words import CLOCK_END, State
+from plcgen.ppi.wire.areas import Function
+from plcgen.project.nouns import BufferField
+from plcgen.proof.checks import Check, CheckGroup, Outcome
+from plcgen.proof.conditions import STATE, Premise
+from plcgen.proof.coverage import NO_OTHER
+from plcgen.proof.effort import Faults
+from plcgen.proof.folder import Folder
+from plcgen.proof.ledger import Assumption
+from plcgen.proof.making import make_checks
+from plcgen.proof.rig import shown_value
+from plcgen.proof.runner import Runner
+from plcgen.proof.scenario import Failure, Statistics
+from plcgen.proof.sharing import Sharing
+from plcgen.proof.suite import CodeBlock, LaidOut, Procedure, Progress, Reads
+from plcgen.s7.cpu.program import Program
+
+SHOWN = 3
+SHOWN_ROLES = frozenset({"function_code", "reference", "return_code", "value", "fcs"})
+"""Members that the report names: what changes at run time. All of them are compared."""
+OPENED = ("MAX_RETRIES", "MAX_POLLS", "tempLastItem", "tempFailed")
+"""Names of the block whose values are an excuse only where the plan says so."""
+SHAPES = {"read": "read", "write": "write", "run": "service", "stop": "service"}
+"""Kinds of jobs whose replies are walked alike: one of each runs through the whole matrix."""
+
+
+class PpiProof:
+    """The proof of a plan of PPI masters."""
+
+    def __init__(self, plan: PpiPlan) -> None:
+        self.plan = plan
+
+    def constants(self) -> dict[str, int]:
+        """None."""
+        return {}
+
+    def stimulus(self) -> tuple[tuple[str, str], ...]:
+        """None: the block is called as it lies in the folder."""
+        return ()
+
+    def layouts(self) -> Iterator[LaidOut]:
+        """Table and response DB of every telegram."""
+        for master in self.plan.masters:
+            for telegram in master.telegrams:
+                yield LaidOut(telegram.request, _shown, prefix="telegram.")
+                if telegram.response is not None:
+                    yield LaidOut(telegram.response, _shown)
+
+    def telegrams(self, folder: Folder) -> Iterator[Check]:
+        """Start values of the tables."""
+        return make_checks(check_telegrams(self.plan, folder), "telegrams", Span(str(folder.path)))
+
+    def foundation(self, folder: Path, *, run: bool, share: Sharing) -> Iterator[Check]:
+        """Nothing: a block is made for its master."""
+        return iter(())
+
+    def exchanges(self, folder: Folder, partner: Path | None, progress: Progress | None) -> CheckGroup | None:
+        """Stations are only met by the block as a whole."""
+
+    def stated(self, program: Program) -> Iterator[Check]:
+        """Every master."""
+        return stated_checks(self.plan, program)
+
+    def oracles(self, folder: Folder, *, dissector: bool) -> Iterator[Check]:
+        """Nobody else is asked."""
+        return iter(())
+
+    def wording(self) -> PpiWording:
+        """What the documents say."""
+        return PpiWording(self.plan)
+
+    def ledger(self) -> Iterator[Assumption]:
+        """What documents and recordings say about line, stations and modules."""
+        return ledger(self.plan)
+
+    def suites(self) -> list[PpiSuite]:
+        """A suite for every master."""
+        return [PpiSuite(self.plan, master) for master in self.plan.masters]
+
+
+def _shown(field: BufferField) -> bool:
+    return field.role in SHOWN_ROLES
+
+
+class PpiSuite:
+    """The jobs of one master, all in one block."""
+
+    page = "docs/ppi-master.md"
+
+    def __init__(self, plan: PpiPlan, master: PlannedMaster) -> None:
+        self.plan, self.master, self.jobs = plan, master, master.jobs
+        self.prefix = f"{master.key}."
+
+    def shown_name(self, job: PpiJob) -> str:
+        """Its key, with several masters that of the master in front."""
+        return self.plan.key(self.master, job)
+
+    def blocks(self) -> list[CodeBlock]:
+        """The block of the master."""
+        name, span = self.master.block.name, self.plan.loaded.key_span(self.master.path)
+        return [CodeBlock(self.master.key, name, name, self.jobs, lambda: span, self.premises(), OPENED)]
+
+    def premises(self) -> tuple[Premise, ...]:
+        """What cannot happen in this project.
+
+        A job is active only while the state is not IDLE. A telegram is walked item by item only if its reply has items,
+        those of a read and those of a write in their own way. A single job never waits for a CP 341. With one poll per
+        telegram a poll has 5Ch and a request 7Ch.
+        """
+
+        def known(why: str, variable: str, values: Iterable[int], among: Iterable[int], given: str = STATE) -> Premise:
+            return Premise(why, "", variable, frozenset(values), given, frozenset(among))
+
+        master, waiting = self.master, (State.ACK, State.REPLY, State.WAIT)
+        kinds = {t.number: t.kind for t in master.telegrams if t.response is not None}
+        found = [
+            Premise(NO_OTHER, never="STATUS_TIMEOUT", among=frozenset({State.IDLE})),
+            *([known(NO_OTHER, "statTelegram", kinds, waiting)] if kinds else []),
+        ]
+        found.append(known(NO_OTHER, "statCurrent", {t.number for t in master.telegrams}, (State.BUILD,)))
+        for function, kind in ((Function.READ, "read"), (Function.WRITE, "write")):
+            numbers = [number for number, asked in kinds.items() if asked == kind]
+            found.append(known(NO_OTHER, "statService", (function,), numbers, "statTelegram"))
+        longest, soon = max(job.timeout for job in master.jobs), "every job ends by its timeout before that"
+        for word, times, pause in (
+            ("STATUS_NOT_READY", master.polls, master.poll_pause),
+            ("STATUS_NO_ANSWER", master.retries, master.retry_pause),
+        ):
+            if times * (pause + POLL_MS) >= longest:
+                found.append(Premise(soon, never=word))
+        if len(master.jobs) == 1 and self.plan.target.classic:
+            found.append(Premise("a single job never waits for the port", never="STATUS_PORT_OCCUPIED"))
+        if not master.retries:
+            found.append(Premise("no retries", follow=("MAX_RETRIES",)))
+        if all(len(telegram.items) < 2 for telegram in master.telegrams):
+            found.append(Premise("every telegram has one item", follow=("tempLastItem", "tempFailed")))
+        if master.polls == 1 and not master.retries:
+            found.append(known("a message takes two calls, and E5 was the last one", "tempNew", (0,), (State.POLL,)))
+        if master.polls == 1:
+            found.append(Premise("one poll only", follow=("MAX_POLLS",)))
+            found.append(known("one poll only", "statFunctionCode", (0, 0x5C), (State.BUILD,)))
+            found.append(known("one poll only", "statFunctionCode", (0x6C, 0x7C), (State.SEND, State.POLL)))
+        return tuple(found)
+
+    def runner(self, program: Program, job: PpiJob, statistics: Statistics | None = None) -> Runner[PpiScenario]:
+        """The master against its stations."""
+        rig = MasterRig(self.plan, program, self.master)
+        rig.job = job
+        return Runner(MasterConduct(rig), statistics)
+
+    def reads(self, job: PpiJob) -> Reads | None:
+        """All jobs of a master are one block."""
+
+    def first(self) -> PpiScenario:
+        """Behind power-up a telegram more may be needed."""
+        return PpiScenario(name="first run", retries=None, polls=None, follow=False)
+
+    def nominal(self, runner: Runner[PpiScenario]) -> PpiScenario:
+        """A run without any fault."""
+        return PpiScenario(name="nominal run", follow=False, measured=True, ignored=0, damaged=0)
+
+    def shown(self, runner: Runner[PpiScenario], scans: int) -> tuple[str, str]:
+        """Scans and frames; the values read."""
+        rig = rig_of(runner)
+        sent, job = rig.port.sent, rig.job
+        polls = sum(len(data) == 6 for _, data in sent)
+        requests = len(sent) - polls
+        frames = f"{quantity(requests, 'request')}, {quantity(polls, 'poll')}"
+        if isinstance(runner.conduct, MasterConduct):
+            frames += f", longest scan {runner.conduct.longest:,} statements"
+        if job.kind in {"run", "stop"}:
+            return f"{scans} scans, {frames}", f"{job.station.key} in {job.kind.upper()}"
+        name = self.master.instance.name
+        texts = [f"{value.label} = {shown_value(rig.cpu[f'{name}.{job.pin(value.member)}'])}" for value in job.outputs]
+        texts = texts or [f"{value.label} written" for value in job.values]
+        return f"{scans} scans, {frames}", shortlist(texts, SHOWN, f", .. ({len(texts)})")
+
+    def matrix(self, runner: Runner[PpiScenario], scans: int, level: Faults) -> Iterator[PpiScenario]:
+        """All of it, or what depends on the job itself and one of each kind of the rest."""
+        job = rig_of(runner).job
+        for scenario in self.everything(job, scans, level):
+            yield in_time(self.master, job, scenario)
+
+    def everything(self, job: PpiJob, scans: int, level: Faults) -> Iterator[PpiScenario]:
+        """All scenarios of a job, as if it had all the time in the world."""
+        master, target, every = self.master, self.plan.target, level == "full"
+        if not every and job is not next(j for j in self.jobs if SHAPES[j.kind] == SHAPES[job.kind]):
+            yield from core_scenarios(master, job, scans, classic=target.classic)
+            return
+        yield from line_scenarios(master, job, every=every)
+        yield from pace_scenarios(master, job)
+        yield from module_scenarios(master, job, classic=target.classic)
+        yield from cpu_scenarios(scans, CLOCK_END, master.ob1_cycle, retentive=target.v5, every=every)
+
+    def behind(
+        self, program: Program, runner: Runner[PpiScenario]
+    ) -> Iterator[tuple[Failure | None, Runner[PpiScenario]]]:
+        """Nothing: many jobs in a row are a matter of all jobs."""
+        yield from ()
+
+    def faults(self, job: PpiJob, level: Faults, kinds: int) -> str:
+        """How many."""
+        return f"{kinds} faults of line, module and CPU"
+
+    def procedures(self, program: Program) -> Iterator[Procedure]:
+        """All jobs at once, behind each other, many in a row, a buffer with a wrong number."""
+        return procedures(self.plan, program, self.master)
+
+    def together(self, procedures: int) -> Check:
+        """All jobs on all stations."""
+        stations = quantity(len(self.master.stations), "station")
+        text = f"{quantity(len(self.jobs), 'job')} on {stations} through OB1, {ROW} jobs in a row"
+        name, subject = f"together.{self.master.key}", f"jobs of {self.master.key}"
+        return Check(name, subject, text, Outcome.OK, "round robin, one frame at a time, every job gets its turn")
+
+    def left_out(self) -> Iterator[Check]:
+        """Nothing."""
+        return iter(())
+
+    def own(self, program: Program, partner: Path) -> Iterator[Check]:
+        """There are no files of stations here."""
+        yield from ()
+
+
+def rig_of(runner: Runner[PpiScenario]) -> MasterRig:
+    """The rig of a master."""
+    rig = runner.conduct.rig
+    if not isinstance(rig, MasterRig):
+        raise TypeError("not a PPI master")
+    return rig

@@ -1,0 +1,308 @@
+"""What documents of PPI masters say: every text, number and name, from telegrams on disk and the spec.
+
+A second statement: nothing here is asked of what writes the documents. Whether the telegrams are those of the spec is
+found out elsewhere.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from types import MappingProxyType
+
+from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue
+from plcgen.ppi.proof.wording import guide
+from plcgen.ppi.proof.wording.meanings import asked_items, called, holds, of_answer, of_table
+from plcgen.project.nouns import PlannedJob
+from plcgen.proof.wording.comments import EMPTY
+from plcgen.proof.wording.model import GuideLine, Shown, agrees, unmarked, untitled
+from plcgen.s7.types.blocks import Block, BlockKind
+
+_VERBS = {"read": "Read", "write": "Write", "run": "Switch to RUN", "stop": "Switch to STOP"}
+_MOST = 4
+"""So many names stand in a title."""
+_NUMBERED = re.compile(r"(?P<number>\d+):")
+INTEGERS = frozenset({"SINT", "USINT", "INT", "UINT", "DINT", "UDINT"})
+_NOTHING: frozenset[str] = frozenset({""})
+
+
+class PpiWording:
+    """All documents of one plan of PPI masters."""
+
+    family, tag_table, jobs_called = "PPI", "PpiJobTags", "jobs"
+    system_blocks: Sequence[str] = ()
+    symbols: Mapping[str, str] = MappingProxyType({"P_RCV_RK": "CP 341: receive", "P_SND_RK": "CP 341: send"})
+    note = "the call form of the blocks for serial modules is inferred; no genuine export was available to compare with"
+
+    def __init__(self, plan: PpiPlan) -> None:
+        self.plan = plan
+        self.masters = {master.block.name.upper(): master for master in plan.masters}
+        self.frames = {master.buffer.name.upper(): master for master in plan.masters if master.buffer is not None}
+        own = [block for master in plan.masters for block in (master.instance, *(master.module_instances or ()))]
+        self.instances = {block.name.upper() for block in own}
+        self.control, self.diagnostics = plan.control_db.name.upper(), plan.diagnostics_type.name.upper()
+
+    @cached_property
+    def buffers(self) -> dict[str, tuple[PlannedMaster, PpiTelegram, bool]]:
+        """Master, telegram, and whether it is the answer, of every type and data block of a telegram."""
+        return {
+            block.name.upper(): (master, telegram, answer > 0)
+            for master in self.plan.masters
+            for telegram in master.telegrams
+            for answer, buffer in enumerate(telegram.buffers)
+            for block in (buffer.type, buffer.home)
+        }
+
+    # ---- members
+
+    def member(self, block: Block, path: Sequence[str], offset: int | None) -> frozenset[str] | None:
+        """What a member may say of itself; None if this protocol has no such block."""
+        name = block.name.upper()
+        if name in self.buffers:
+            alone = block.kind is BlockKind.DB and not self.buffers[name][2]
+            return _NOTHING if alone and list(path) == ["telegram"] else self.meanings(name).get(offset or 0)
+        if name in self.masters:
+            return self._pin(self.masters[name], path[-1])
+        if name == self.control:
+            return self._command(path)
+        for role, names in (("diagnostics", {self.diagnostics}), ("frames", set(self.frames))):
+            if name in names:
+                return _sentence(role, path[-1])
+        return None
+
+    def assigned(self, block: Block, path: str) -> frozenset[str] | None:
+        """What stands behind the start value of a place; the offset says which member it is."""
+        name = block.name.upper()
+        if name not in self.buffers:
+            return None
+        _, telegram, answer = self.buffers[name]
+        own = path.removeprefix("telegram.").partition("[")[0]
+        fields = telegram.buffers[answer].fields
+        place = next((field.offset for field in fields if field.name == own), None)
+        return None if place is None else self.meanings(name).get(place)
+
+    def meanings(self, name: str) -> dict[int, frozenset[str]]:
+        """Texts of the bytes of a telegram table or a response DB."""
+        _, telegram, answer = self.buffers[name]
+        data = telegram.request.data
+        labels = [[placed.value.label for placed in wire.values] for wire in telegram.items]
+        asked = asked_items(data)
+        single = [
+            _texts(wire.values[0].value) if len(wire.values) == 1 else frozenset({f"{called(item, labels[at])}: value"})
+            for at, (wire, item) in enumerate(zip(telegram.items, asked, strict=True))
+        ]
+        return (of_answer if answer else of_table)(data, labels, single)
+
+    def _pin(self, master: PlannedMaster, name: str) -> frozenset[str]:
+        for job in master.jobs:
+            cycle = f", then every {job.cycle} ms while it is TRUE" if job.cycle else ""
+            signals = {
+                "execute": f"{job.key}: a rising edge starts the job{cycle}",
+                "busy": f"{job.key} is running or waits for the port",
+                "done": f"{job.key} ended well; stays until execute falls, at least one call",
+                "error": f"{job.key} failed; stays until execute falls, at least one call",
+                "status": f"result of {job.key}",
+                "errors": f"{job.key}, per address: 0 = good, 16#80nn = return code nn of the station",
+            }
+            for signal, text in signals.items():
+                if job.pin(signal) == name:
+                    return frozenset({text})
+            for value in job.values:
+                pin = job.pin(value.member)
+                if pin == name:
+                    return frozenset(f"{job.key}: {text}" for text in _texts(value))
+                if f"stat{pin[:1].upper()}{pin[1:]}" == name:
+                    return frozenset({f"{pin} when the job started"})
+        return _sentence("master", name, baud=master.baud)
+
+    def _command(self, path: Sequence[str]) -> frozenset[str] | None:
+        found = next((pair for pair in self.all_jobs if self.plan.member(*pair) == path[0]), None)
+        if found is None:
+            return frozenset({EMPTY}) if list(path) == ["unused"] else None
+        job = found[1]
+        if len(path) == 1:
+            return self.called(job)
+        if path[1] == "execute" and job.cycle:
+            return frozenset({f"TRUE: the job runs every {job.cycle} ms"})
+        values = [value for value in job.values if value.member == path[1]]
+        return frozenset(text for value in values for text in _texts(value)) or _sentence("command", path[1])
+
+    @cached_property
+    def all_jobs(self) -> list[tuple[PlannedMaster, PpiJob]]:
+        """Every job with its master."""
+        return [(master, job) for master in self.plan.masters for job in master.jobs]
+
+    # ---- titles
+
+    def title(self, block: Block) -> frozenset[str] | None:
+        """What the title of a block may be; None if this protocol has no such block."""
+        name = block.name.upper()
+        if name in self.masters:
+            return _of_master(self.masters[name])
+        if name in self.frames:
+            return frozenset(f"Frames: {title}" for title in _of_master(self.frames[name]))
+        if name in self.buffers and block.kind is BlockKind.DB:
+            master, telegram, answer = self.buffers[name]
+            what = "Response" if answer else "Telegram table"
+            return frozenset(f"{what}: {title}" for title in _of_telegram(master, telegram))
+        if name == self.control:
+            return frozenset({"Commands and results of all PPI jobs"})
+        return _NOTHING if name in {*self.buffers, *self.instances, self.diagnostics} else None
+
+    def spoken(self, block: Block) -> dict[str, str] | None:
+        """No type or data block has a comment."""
+        return None if self.title(block) is None else {}
+
+    def called(self, job: PlannedJob) -> frozenset[str] | None:
+        """The title of a job."""
+        return _of_job(job) if isinstance(job, PpiJob) else None
+
+    def head(self, block: Block) -> Iterator[str]:
+        """What is wrong with the lines at the head of a master; and of labels, with what its telegrams address."""
+        master = self.masters.get(block.name.upper())
+        said = block.comment.split("\n") if block.comment else []
+        if master is None:
+            yield from (f'no source for "{text}"' for text in said if text)
+            return
+        own = master.telegrams[0].request.data[5] if master.telegrams else master.own_address
+        module = f"{guide.MODULES[master.module]}, {master.baud} bit/s"
+        wanted = [
+            frozenset({f"PPI master {master.key}: {module}, 8 data bits, even parity, 1 stop bit, own address {own}"}),
+            *(frozenset({f"station {one.address}: {one.key}, {one.profile.title}"}) for one in master.stations),
+            *(
+                frozenset(
+                    f"job {job.number} {job.key}: {title}{f', every {job.cycle} ms' if job.cycle else ''}"
+                    for title in _of_job(job)
+                )
+                for job in master.jobs
+            ),
+            *(frozenset({text}) for text in guide.sentences()["head"]["lines"]),
+        ]
+        if len(said) != len(wanted):
+            yield f"{len(said)} lines at its head, {len(wanted)} are stated"
+        english = self.plan.languages[0].startswith("en")
+        for text, texts in zip(said, wanted, strict=False):
+            if not agrees(text, texts, english=english):
+                yield f'no source for "{text}"; stated: "{min(texts)}"'
+        yield from _addressed(master)
+
+    def remark(self, block: Block, code: str, text: str) -> bool:
+        """Whether a comment in the code is known; behind the number of a branch stands what has the number."""
+        master, branch = self.masters.get(block.name.upper()), _NUMBERED.fullmatch(code)
+        if master is None or branch is None:
+            return text in guide.sentences()["code"]["remarks"]
+        number = int(branch["number"])
+        jobs = [job.key for job in master.jobs if job.number == number]
+        telegrams = [_in_code(master, one) for one in master.telegrams if one.number == number]
+        wires = [wire for one in master.telegrams for wire in one.items if wire.number == number]
+        labels = [", ".join(placed.value.label for placed in wire.values) for wire in wires]
+        return text in {*jobs, *telegrams, *labels}
+
+    def retains(self, block: Block) -> bool:
+        """None keeps its values."""
+        del block
+        return False
+
+    def starts(self, block: Block) -> dict[str, bytes | str] | None:
+        """Start values of the pins of a master: its inputs have those of the spec, which are those of the tables."""
+        master = self.masters.get(block.name.upper())
+        if master is None:
+            return None
+        found: dict[str, bytes | str] = {"port": str(master.port), "moduleAddress": str(master.port)}
+        for job in master.jobs:
+            found[job.pin("status")] = "W#16#7000"
+            found |= {job.pin(value.member): value.data for value in job.inputs}
+        return found
+
+    def instructions(self) -> dict[str, str]:
+        """The timer; the blocks for serial modules are declared without a version."""
+        return {"TON_TIME": self.plan.loaded.spec.plc.instructions.TON_TIME or "1.0"}
+
+    def version(self, block: Block) -> str | None:
+        """0.1 of every block."""
+        return "0.1" if self.title(block) is not None else None
+
+    # ---- what tables show
+
+    def sheet(self, block: Block) -> list[frozenset[str]] | None:
+        """Lines above the tables of a master: its telegrams."""
+        master = self.masters.get(block.name.upper())
+        return None if master is None else [_listed(master, one) for one in master.telegrams]
+
+    def sheet_title(self, block: Block) -> str:
+        """None but that of the block."""
+        del block
+        return ""
+
+    def shown(self, block: Block, path: Sequence[str], type_: str) -> Shown | None:
+        """How a watch table shows a member, and what it offers to write."""
+        name = block.name.upper()
+        number = {"REAL": "FloatingPoint", "BOOL": "Bool", "CHAR": "Character"}.get(type_, "")
+        if name == self.control:
+            hexadecimal = type_ in {"BYTE", "WORD", "DWORD"}
+            return Shown(number or ("Hex" if hexadecimal else "DEC"), "TRUE" if path[1:] == ["execute"] else "")
+        if name in self.buffers:
+            return Shown(number or ("DEC" if type_ in INTEGERS else "Hex"))
+        return None
+
+    def guide(self) -> tuple[list[GuideLine], list[GuideLine]]:
+        """Parts of the import guide before and behind the order, line by line."""
+        return guide.guide_before(self.plan), []
+
+    def manifest(self) -> dict[str, object]:
+        """What the manifest says of the masters."""
+        return {"ppi": [guide.listed_master(master) for master in self.plan.masters]}
+
+
+def _texts(value: PpiValue) -> frozenset[str]:
+    """What is said of a value: its address or symbol, and what the spec or the symbol table says about it."""
+    said = {*value.comment.values()} or {value.title}
+    return frozenset(unmarked(f"{value.label} {text}") for text in {*said, ""} if text or not value.comment)
+
+
+def _of_master(master: PlannedMaster) -> frozenset[str]:
+    names = [station.key for station in master.stations]
+    own = f"PPI master of {', '.join(names[:_MOST])}{', ..' if len(names) > _MOST else ''}"
+    return frozenset({*master.comment.values()} or {own})
+
+
+def _of_job(job: PpiJob) -> frozenset[str]:
+    names = [value.label for value in job.values]
+    what = f"{', '.join(names[:_MOST])}{', ..' if len(names) > _MOST else ''}"
+    own = unmarked(f"{_VERBS[job.kind]} {what} of {job.station.key}")
+    return frozenset({*job.comment.values()} or {own})
+
+
+def _of_telegram(master: PlannedMaster, telegram: PpiTelegram) -> frozenset[str]:
+    job = next((job for job in master.jobs if telegram in job.telegrams), None)
+    return frozenset({f"first frame to {telegram.station.key}"}) if job is None else _of_job(job)
+
+
+def _in_code(master: PlannedMaster, telegram: PpiTelegram) -> str:
+    job = next((job for job in master.jobs if telegram in job.telegrams), None)
+    return f"first frame to {telegram.station.key}" if job is None else f"{job.key} of {telegram.station.key}"
+
+
+def _addressed(master: PlannedMaster) -> Iterator[str]:
+    """Names of values that lie elsewhere than their telegram asks, stations with another address."""
+    for telegram in master.telegrams:
+        data = telegram.request.data
+        if data[4] != telegram.station.address:
+            yield f"telegram {telegram.number} goes to {data[4]}, {telegram.station.key} is {telegram.station.address}"
+        for item, wire in zip(asked_items(data), telegram.items, strict=True):
+            for placed in wire.values:
+                if not holds(item, placed.value.label, placed.start):
+                    yield f"telegram {telegram.number} does not address {placed.value.label}"
+
+
+def _sentence(role: str, name: str, baud: int = 0) -> frozenset[str]:
+    return frozenset({guide.sentences()[role].get(name, "").format(baud=baud)})
+
+
+def _listed(master: PlannedMaster, telegram: PpiTelegram) -> frozenset[str]:
+    data = telegram.request.data
+    frame = f"`{data.hex(' ').upper()}` ({len(data)} bytes; function code, reference, FCS and inputs change)"
+    return frozenset(
+        f"telegram {telegram.number}: {untitled(title)}: {frame}" for title in _of_telegram(master, telegram)
+    )

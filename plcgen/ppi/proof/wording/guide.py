@@ -1,0 +1,109 @@
+"""The part of IMPORT.md about PPI masters, line by line, and what the manifest says of them, stated a second time."""
+
+from __future__ import annotations
+
+import re
+import struct
+import tomllib
+from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from plcgen.ppi.plan.nouns import PlannedMaster, PpiPlan, PpiValue
+from plcgen.ppi.proof.words import GAP_BITS, LONGEST
+from plcgen.proof.wording.model import GuideLine, unmarked
+
+
+@cache
+def sentences() -> Mapping[str, Any]:
+    """Texts by what a block is and the name of a member, and the lines of the guide."""
+    return tomllib.loads((Path(__file__).parent / "sentences.toml").read_text("utf-8"))
+
+
+MODULES = {"cm1241": "CM 1241", "cb1241": "CB 1241", "cm-ptp": "CM PtP", "cp341": "CP 341"}
+LEAST_GAP_MS = 4
+"""Character delay time of a CP 341: at least so many milliseconds (manual of the CP 341)."""
+
+
+def guide_before(plan: PpiPlan) -> list[GuideLine]:
+    """Modules with their settings, numbers of data blocks, what is written."""
+    baud = plan.masters[0].baud
+    where = "hardware identifier" if plan.target.t15 else "address"
+    found = [
+        "## PPI masters",
+        *(
+            f"- `{one.block.name}`: {MODULES[one.module]} at {where} {one.port}, {one.baud} bit/s"
+            for one in plan.masters
+        ),
+        *_module(plan, baud),
+    ]
+    writes = [line for master in plan.masters for line in _writes(master)]
+    head = [GuideLine("## What these masters write"), GuideLine("| job | station | address | value |")]
+    return [*map(GuideLine, found), *(head if writes else []), *writes]
+
+
+def _module(plan: PpiPlan, baud: int) -> Iterator[str]:
+    """How the module is set, and where its blocks come from."""
+    if plan.target.t15:
+        yield from _said("cm", baud=baud, gap=GAP_BITS, longest=LONGEST)
+        return
+    gap = max(LEAST_GAP_MS, -(-GAP_BITS * 1000 // baud))
+    for part in ("cp", "v5" if plan.target.v5 else "tia", "buffers"):
+        yield from _said(part, baud=baud, gap=gap, longest=LONGEST)
+    yield from (f"| {one.buffer.name} | DB{one.buffer.number} |" for one in plan.masters if one.buffer is not None)
+
+
+def _said(part: str, **words: object) -> list[str]:
+    return [line.format(**words) for line in sentences()["guide"][part]]
+
+
+def _writes(master: PlannedMaster) -> Iterator[GuideLine]:
+    for job in master.jobs:
+        front = f"| {master.block.name}, job {job.key} | {job.station.key} ({job.telegrams[0].request.data[4]}) |"
+        if job.kind in {"run", "stop"}:
+            yield GuideLine(f"{front} CPU | {job.kind.upper()} |")
+        for value in job.values if job.kind == "write" else ():
+            yield _written(unmarked(f"{front} {value.label} |"), value)
+
+
+def _written(front: str, value: PpiValue) -> GuideLine:
+    def accepts(text: str) -> bool:
+        said = text.removeprefix(front).removesuffix("|").strip()
+        return text.startswith(front) and says_value(value, said)
+
+    return GuideLine(f"{front} {value.data.hex(' ').upper() if value.constant else 'block input'} |", accepts)
+
+
+def says_value(value: PpiValue, text: str) -> bool:
+    """Whether a cell names what is written: a constant, or that an input says it."""
+    if not value.constant or value.count > 1:
+        return text == "block input"
+    data = value.data[: value.size]
+    if text in {"TRUE", "FALSE"}:
+        return (text == "TRUE") == any(data)
+    if (found := re.fullmatch(r"(?:[A-Z]+#)?16#([0-9A-F]+)", text)) is not None:
+        return int(found[1], 16) == int.from_bytes(data)
+    if text.startswith("'"):
+        return text[1:-1].encode("latin-1", "replace").endswith(data)
+    try:
+        number = float(text.rpartition("#")[2])
+    except ValueError:
+        return False
+    if value.element.name == "REAL":
+        return struct.pack(">f", number) == data
+    return int(number) == int.from_bytes(data, signed=value.element.name in {"INT", "DINT", "SINT"})
+
+
+def listed_master(master: PlannedMaster) -> dict[str, object]:
+    """A master in the manifest: its telegrams as they lie on disk."""
+    telegrams = []
+    for one in master.telegrams:
+        found: dict[str, object] = {
+            "request": one.request.data.hex(" ").upper(),
+            "request_db": f"DB{one.request.home.number}",
+        }
+        if one.response is not None:
+            found["response_db"] = f"DB{one.response.home.number}"
+        telegrams.append(found)
+    return {"master": master.key, "block": master.block.name, "telegrams": telegrams}

@@ -1,0 +1,1 @@
+"""Jobs of PPI masters in recorded runs: see ``plcgen.report.trace.face``."""

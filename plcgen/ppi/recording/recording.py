@@ -1,0 +1,180 @@
+"""Recorded runs of PPI masters: the stations on their lines, the jobs, and every frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from copy import copy
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from plcgen.base.files.options import usage
+from plcgen.base.files.text import read_text
+from plcgen.base.telegrams.decoded import DecodedTelegram
+from plcgen.ppi.plan.nouns import PlannedMaster, PpiPlan, PpiValue
+from plcgen.ppi.recording.faults import read_faults
+from plcgen.ppi.recording.jobs import MasterWatch, PpiJobWatch
+from plcgen.ppi.sim import Bus, FaultKind, Station, Traffic
+from plcgen.ppi.sim.load import load_bus
+from plcgen.ppi.texts import decode_pieces
+from plcgen.ppi.traffic import TrafficText
+from plcgen.ppi.wire.areas import Area
+from plcgen.ppi.wire.model import FixedFrame, VariableFrame
+from plcgen.ppi.words import DRAIN_MS
+from plcgen.report.trace.face import Observed, PartnerOptions
+from plcgen.report.trace.model import CallShape, Contact, Direction
+from plcgen.report.trace.recorder import RecordingCpu
+from plcgen.s7.cpu.system.bus import Periphery
+from plcgen.s7.cpu.system.port import UNSET, Port, PortSettings
+from plcgen.s7.types.values import pack_value
+
+
+class PpiRecording:
+    """What can be recorded of masters and jobs."""
+
+    faults = tuple(kind.value for kind in FaultKind)
+    fault = "silence"
+    drain = DRAIN_MS
+    words = ("module call", "station")
+
+    def __init__(self, plan: PpiPlan) -> None:
+        self.plan = plan
+        self.jobs = tuple(plan.key(master, job) for master in plan.masters for job in master.jobs)
+        self.partners = tuple(master.key for master in plan.masters)
+        self.constants: dict[str, int] = {}
+        self.controls = [plan.control_db.name]
+        self.calls: tuple[CallShape, ...] = (
+            CallShape("SEND_P2P", "DONE", 16),
+            CallShape("RECEIVE_P2P", "NDR", 16, answers=True),
+        )
+        if plan.target.classic:
+            self.calls = CallShape("P_SND_RK", "DONE", 16), CallShape("P_RCV_RK", "NDR", 16, answers=True)
+        self._traffic: list[tuple[PlannedMaster, Traffic]] = []
+
+    def connect(self, bus: Periphery, options: PartnerOptions) -> None:
+        """A line with its stations at every port. Raises DiagnosticError."""
+        faults = read_faults(options.faults, options.fault_file)
+        files = self._files(options.files)
+        for master in self.plan.masters:
+            path = files.get(master.key) or files.get("")
+            line = _line(master) if path is None else load_bus(read_text(path), str(path))
+            line.faults += map(copy, faults)
+            line.listener = partial(self._hear, master)
+            hardware = PortSettings(baud=master.baud) if self.plan.target.classic else UNSET
+            bus.ports[master.port] = Port(peer=line, line_baud=master.baud, hardware=hardware)
+
+    def attach(self, cpu: RecordingCpu) -> RecordedMasters:
+        """Watch masters and jobs."""
+        return RecordedMasters(cpu, self.plan, self._traffic)
+
+    def _hear(self, master: PlannedMaster, entry: Traffic) -> None:
+        self._traffic.append((master, entry))
+
+    def _files(self, texts: Sequence[str]) -> dict[str, Path]:
+        chosen: dict[str, Path] = {}
+        for text in texts:
+            key, equals, path = text.partition("=")
+            own = bool(equals) and key in self.partners
+            key, path = (key, path) if own else ("", text)
+            if key in chosen:
+                raise usage(f"--drive {text}", "there is a file for this line already", "write MASTER=FILE for each")
+            chosen[key] = Path(path)
+        return chosen
+
+
+def _line(master: PlannedMaster) -> Bus:
+    """The stations of a master with something to read: values that differ."""
+    stations = {s.address: Station(s.profile.key, s.address, frame_count="strict") for s in master.stations}
+    for job in master.jobs:
+        for value in job.outputs:
+            memory = stations[job.station.address].cpu.memory
+            if not any(memory.read(value.item).data) and (data := _content(value)):  # addresses may overlap
+                memory.put(value.item, data)
+    return Bus(stations.values())
+
+
+def _content(value: PpiValue) -> bytes:
+    """Wire bytes of an address: numbers that count, and every bit TRUE; empty if its type has no such value."""
+    if value.bit:
+        return b"\x01"
+    name = value.element.name
+    if value.item.area == Area.SYS or name not in _NUMBERS:
+        return b""
+    octets = bytearray(value.item.octets)
+    for number in range(value.count):
+        end = (number + 1) * value.stride
+        content = pack_value(value.number + number + (0.5 if name == "REAL" else 0), value.element)
+        octets[end - value.size : end] = content
+    return bytes(octets)
+
+
+_NUMBERS = frozenset({"BYTE", "WORD", "DWORD", "INT", "DINT", "UINT", "UDINT", "USINT", "SINT", "REAL"})
+
+
+@dataclass(frozen=True, slots=True)
+class _Piece:
+    """Bytes of the line that belong together."""
+
+    data: bytes
+    telegram: bool
+    offset: int = 0
+
+
+class RecordedMasters:
+    """Masters and jobs on a CPU; every frame on their lines is a contact."""
+
+    def __init__(self, cpu: RecordingCpu, plan: PpiPlan, traffic: list[tuple[PlannedMaster, Traffic]]) -> None:
+        self._cpu, self._traffic = cpu, traffic
+        self._masters = {master.key: MasterWatch(cpu, plan, master) for master in plan.masters}
+        self._jobs = {plan.key(master, job): (master, job) for master in plan.masters for job in master.jobs}
+        own = [(master.instance.name, master) for master in plan.masters]
+        own += [(block.name, master) for master in plan.masters for block in master.module_instances or ()]
+        self._instances = {name.upper(): self._masters[master.key] for name, master in own}
+        self._words = {master.key: TrafficText() for master in plan.masters}
+        self._stations = {master.key: {s.address: s.key for s in master.stations} for master in plan.masters}
+        self._asked: dict[str, tuple[str, bytes]] = {}
+
+    def job(self, key: str) -> PpiJobWatch:
+        """One job."""
+        master, job = self._jobs[key]
+        return PpiJobWatch(self._cpu, self._masters[master.key], job)
+
+    def signals(self) -> Iterator[Observed]:
+        """Who has which port."""
+        for master in self._masters.values():
+            yield from master.signals()
+
+    def job_of(self, instance: str) -> str | None:
+        """The job that has the port of a master, or had it last."""
+        found = self._instances.get(instance.split(".", 1)[0].upper())
+        return None if found is None else found.last or None
+
+    def take(self) -> tuple[Contact, ...]:
+        """Frames since the last time."""
+        found = tuple(self._contact(master, entry) for master, entry in self._traffic)
+        self._traffic.clear()
+        return found
+
+    def _contact(self, master: PlannedMaster, entry: Traffic) -> Contact:
+        key, frame = master.key, entry.frame
+        text = self._words[key].words(entry)
+        if entry.direction == ">":
+            station, asked = self._asked.get(key, ("", b""))
+            if isinstance(frame, FixedFrame | VariableFrame):
+                station = self._stations[key].get(frame.destination, f"station {frame.destination}")
+            asked = entry.data if isinstance(frame, VariableFrame) else asked
+            self._asked[key] = station, asked
+            telegram = _decoded(entry)
+        else:
+            station, asked = self._asked.get(key, ("", b""))
+            telegram = _decoded(entry, asked if isinstance(frame, VariableFrame) else b"")
+            text += f" (fault: {entry.note})" if entry.note else ""
+        direction: Direction = "write" if entry.direction == ">" else "read"
+        group = self._masters[key].last or key
+        return Contact(group, station, direction, 0, 0, entry.data, asked, text, telegram)
+
+
+def _decoded(entry: Traffic, request: bytes = b"") -> DecodedTelegram:
+    """A frame field by field; a reply with the items of its request."""
+    pieces = [_Piece(request, telegram=True)] if request else []
+    return decode_pieces([*pieces, _Piece(entry.data, telegram=entry.frame is not None)])[-1].table

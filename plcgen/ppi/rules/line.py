@@ -1,0 +1,182 @@
+"""Rules about PPI masters: addresses on the line, ports, names that meet, times."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from plcgen.base.diagnostics import Diagnostic, Note, Severity, Span
+from plcgen.ppi.plan.times import E5, heard_ms, longest_reply
+from plcgen.project.rules.places import key_or_value, node_at
+from plcgen.s7.types.durations import spelled
+
+if TYPE_CHECKING:
+    from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiValue
+    from plcgen.project.spec import SpecPath
+
+_SIGNALS = ("execute", "busy", "done", "error", "status", "errors")
+_OWN = frozenset({"port", "moduleaddress", "diagnostics"})
+_PREFIXED = re.compile(r"(?:[Ss]tat|[Tt]emp|[Ii]nst)[A-Z0-9]")
+_CHARACTER_BITS = 11
+_POLL = 6
+
+
+def checks(plan: PpiPlan) -> Iterator[Diagnostic]:
+    """Every rule about the masters of a plan."""
+    yield from _ports(plan)
+    yield from _control_members(plan)
+    for master in plan.masters:
+        yield from _addresses(plan, master)
+        yield from _pins(plan, master)
+        yield from _waits(plan, master)
+        for job in master.jobs:
+            yield from _members(plan, job)
+            yield from _times(plan, master, job)
+
+
+def _addresses(plan: PpiPlan, master: PlannedMaster) -> Iterator[Diagnostic]:
+    """PG235: two stations, or a station and the master, have one address."""
+    first: dict[int, tuple[str, Span]] = {}
+    own = key_or_value(plan, (*master.path, "own_address"))
+    first[master.own_address] = ("the master itself", own)
+    for station in master.stations:
+        span = plan.loaded.span((*station.path, "address"))
+        earlier = first.setdefault(station.address, (f'station "{station.key}"', span))
+        if earlier[1] is not span:
+            yield Diagnostic(
+                "PG235",
+                f'station "{station.key}" has the address {station.address}, which is also that of {earlier[0]}',
+                span,
+                help="every station and master on a line needs an address of its own",
+                notes=(Note("first use", earlier[1]),),
+            )
+
+
+def _ports(plan: PpiPlan) -> Iterator[Diagnostic]:
+    """PG242: two masters on one port."""
+    first: dict[int, PlannedMaster] = {}
+    key = "address" if plan.target.classic else "port"
+    for master in plan.masters:
+        if not master.port:
+            continue
+        earlier = first.setdefault(master.port, master)
+        if earlier is not master:
+            yield Diagnostic(
+                "PG242",
+                f'masters "{earlier.key}" and "{master.key}" use the same port {master.port}',
+                key_or_value(plan, (*master.path, key)),
+                help="put all stations of a line under one master",
+                notes=(Note("first use", key_or_value(plan, (*earlier.path, key))),),
+            )
+
+
+def _control_members(plan: PpiPlan) -> Iterator[Diagnostic]:
+    """PG406: two jobs would get the same member in the control DB."""
+    first: dict[str, SpecPath] = {}
+    for master in plan.masters:
+        for job in master.jobs:
+            name = f"{master.member if len(plan.masters) > 1 else ''}{job.member}".lower()
+            earlier = first.setdefault(name, job.path)
+            if earlier is not job.path:
+                yield Diagnostic(
+                    "PG406",
+                    f'jobs "{earlier[-1]}" and "{job.key}" get the same name in the control DB',
+                    plan.loaded.key_span(job.path),
+                    help="rename one of the jobs",
+                    notes=(Note("first use", plan.loaded.key_span(earlier)),),
+                )
+
+
+def _pins(plan: PpiPlan, master: PlannedMaster) -> Iterator[Diagnostic]:
+    """PG406: two signals or values get the same name at the block."""
+    first: dict[str, Span | None] = dict.fromkeys(_OWN)
+    for job in master.jobs:
+        place = plan.loaded.key_span(job.path)
+        names = [(signal, place) for signal in _SIGNALS]
+        names += [(value.member, member_span(plan, value)) for value in job.values]
+        for name, span in names:
+            pin = job.pin(name)
+            if _PREFIXED.match(pin):
+                message = f'the block itself may have a member called "{pin}"'
+                yield Diagnostic("PG406", message, span, help="rename the job")
+            if first.setdefault(pin.lower(), span) is span:
+                continue
+            earlier = first[pin.lower()]
+            yield Diagnostic(
+                "PG406",
+                f'two members of the block are called "{pin}"',
+                span,
+                help="give the value another name with as:, or rename the job",
+                notes=(Note("first use", earlier),) if earlier else (),
+            )
+
+
+def _members(plan: PpiPlan, job: PpiJob) -> Iterator[Diagnostic]:
+    """PG406: a value has the name of another value, of a signal or of a field of its telegram."""
+    fixed = {
+        field.name.lower()
+        for telegram in job.telegrams
+        for buffer in telegram.buffers
+        for field in buffer.fields
+        if field.role != "value"
+    }
+    fixed |= set(_SIGNALS)
+    first: dict[str, PpiValue] = {}
+    for value in job.values:
+        name = value.member.lower()
+        if name in fixed:
+            message = f'{value.label}: its job has a member called "{value.member}" already'
+            yield Diagnostic("PG406", message, member_span(plan, value), help="give the value another name with as:")
+            continue
+        earlier = first.setdefault(name, value)
+        if earlier is not value:
+            yield Diagnostic(
+                "PG406",
+                f'{earlier.label} and {value.label} are both called "{value.member}"',
+                member_span(plan, value),
+                help="give one of them another name with as:",
+                notes=(Note("first use", member_span(plan, earlier)),),
+            )
+
+
+def _times(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Iterator[Diagnostic]:
+    """PG311: the line is slower than timeout or cycle."""
+    characters = 0
+    for telegram in job.telegrams:
+        data = telegram.response.size if telegram.response is not None else 0
+        characters += len(telegram.request.data) + 1 + _POLL + 23 + data
+    line = -(-characters * _CHARACTER_BITS * 1000 // master.baud)
+    shown = spelled(line)
+    for key, value, severity in (("timeout", job.timeout, Severity.ERROR), ("cycle", job.cycle, Severity.WARNING)):
+        if value and value < line:
+            yield Diagnostic(
+                "PG311",
+                f"the telegrams take {shown} on the line; the {key} is {spelled(value)}",
+                key_or_value(plan, (*job.path, key)),
+                severity,
+                help=f"at {master.baud} bit/s: allow more time, or read less",
+            )
+
+
+def _waits(plan: PpiPlan, master: PlannedMaster) -> Iterator[Diagnostic]:
+    """PG311: a timeout is over before an answer that comes at once can have been received."""
+    longest = longest_reply(master.jobs)
+    waits = (("ack_timeout", master.ack_timeout, E5, "E5"), ("reply_timeout", master.reply_timeout, longest, "a reply"))
+    for key, value, characters, what in waits:
+        least = heard_ms(characters, master.baud, master.ob1_cycle, classic=plan.target.classic)
+        if value < least:
+            more = f" of {characters} bytes" if characters > E5 else ""
+            yield Diagnostic(
+                "PG311",
+                f"{key} ends after {spelled(value)}, before {what}{more} can have been received",
+                key_or_value(plan, (*master.path, key)),
+                help=f"at least {spelled(least)}, at {master.baud} bit/s with cycles of OB1 of up to "
+                f"{spelled(master.ob1_cycle)}; without the key it is computed",
+            )
+
+
+def member_span(plan: PpiPlan, value: PpiValue) -> Span:
+    """Where the name of a value comes from: ``as``, else its address."""
+    given = node_at(plan, (*value.path, "as"))
+    return given.span if given is not None else plan.loaded.span((*value.path, "item"))

@@ -1,0 +1,191 @@
+"""Faults that a simulated PPI bus shows on demand: scriptable, counted, gone after so many uses."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Literal
+
+from plcgen.ppi.wire.areas import Area, SizeCode
+from plcgen.ppi.wire.fdl import SD1, checksum, encode_frame, examine_frame
+from plcgen.ppi.wire.model import (
+    ACKNOWLEDGE,
+    Acknowledgement,
+    Frame,
+    Item,
+    ItemResult,
+    ReadReply,
+    ReadRequest,
+    TokenFrame,
+    VariableFrame,
+)
+from plcgen.ppi.wire.telegram import encode_poll, encode_reply, encode_request
+
+At = Literal["any", "request", "poll"]
+
+
+class FaultKind(enum.Enum):
+    """What goes wrong; the comment names the fields that matter."""
+
+    DEAF = "deaf"  # the station does not hear the frame: no answer, nothing is executed
+    SILENCE = "silence"  # the station hears and executes, but its answer is lost
+    NOT_READY = "not_ready"  # E5 to a poll although the answer is there
+    FCS = "fcs"  # value: checksum of the answer, else one too high
+    LATE = "late"  # milliseconds: the answer comes that much later
+    CUT = "cut"  # value: bytes of the answer that arrive, else all but the last two
+    GARBAGE = "garbage"  # data: comes instead of the answer
+    NOISE = "noise"  # data: comes before the answer
+    CLIPPED = "clipped"  # value (F9h): the acknowledgement E5 with its first bits lost
+    ECHO = "echo"  # the frame comes back before its answer, as from an RS-485 adapter that hears itself
+    FOREIGN = "foreign"  # an exchange of another master with another station before the answer
+    TOKEN = "token"  # noqa: S105 - token frames of other masters before the answer
+    STALE = "stale"  # the answer before comes again, else this one with the reference before
+    REFERENCE = "reference"  # value: PDU reference of the answer, else one too high
+    ADDRESS = "address"  # value: source of the answer, else the next station
+    FUNCTION = "function"  # value (02h): function code of the answer
+    NACK = "nack"  # value (01h, 02h, 03h): a short refusal instead of the answer, nothing is executed
+    COUNT = "count"  # value: item count of the answer, else one too high
+    LENGTH = "length"  # value: length of the first value of the answer, else one byte more
+    ITEM = "item"  # item, code: that item is refused with this return code
+    HEADER = "header"  # code (8404h, busy): the job is refused with this error
+
+
+@dataclass(slots=True)
+class Fault:
+    """One fault: it lets ``after`` occasions pass, strikes ``times`` occasions (None: all), then is gone.
+
+    An occasion is a frame to a station (``at``: a request, a poll, or both) whose answer the fault can damage.
+    ``station`` None means every station. ``value`` None puts some wrong value.
+    """
+
+    kind: FaultKind
+    times: int | None = 1
+    after: int = 0
+    at: At = "any"
+    station: int | None = None
+    value: int | None = None
+    milliseconds: int = 500
+    data: bytes = b""
+    item: int = 1
+    code: int | None = None
+
+    @property
+    def spent(self) -> bool:
+        """Whether the fault has struck as often as it should."""
+        return self.times is not None and self.times <= 0
+
+    def meets(self, station: int, frame: Frame) -> bool:
+        """Whether a frame to a station is an occasion."""
+        if self.station is not None and self.station != station:
+            return False
+        return self.at == "any" or (self.at == "request") == isinstance(frame, VariableFrame)
+
+    def use(self) -> bool:
+        """Count one occasion; True if the fault strikes on it."""
+        if self.spent:
+            return False
+        if self.after > 0:
+            self.after -= 1
+            return False
+        if self.times is not None:
+            self.times -= 1
+        return True
+
+
+BEFORE = frozenset({FaultKind.ECHO, FaultKind.FOREIGN, FaultKind.TOKEN, FaultKind.NOISE})
+"""Faults that put something in front of the answer."""
+
+DAMAGING = frozenset({
+    FaultKind.FCS, FaultKind.CUT, FaultKind.GARBAGE, FaultKind.CLIPPED, FaultKind.STALE, FaultKind.REFERENCE,
+    FaultKind.ADDRESS, FaultKind.FUNCTION, FaultKind.COUNT, FaultKind.LENGTH,
+})  # fmt: skip
+"""Faults that change the answer itself."""
+
+_WITH_CHECKSUM = frozenset({FaultKind.FCS, FaultKind.CUT, FaultKind.ADDRESS, FaultKind.FUNCTION})
+_LEAST_PDU = {FaultKind.COUNT: 14, FaultKind.LENGTH: 18}
+"""A read answer has a count behind 12 + 1 bytes, the length of its first value behind 12 + 2 + 2."""
+
+_GARBAGE = bytes.fromhex("00FF6816681055AA")
+_PDU = 7
+
+
+def can_damage(fault: Fault, answer: Frame) -> bool:
+    """Whether this answer has what the fault damages: a checksum, a reference, a length."""
+    if fault.kind is FaultKind.CLIPPED:
+        return isinstance(answer, Acknowledgement)
+    if fault.kind is FaultKind.GARBAGE:
+        return True
+    if fault.kind in _WITH_CHECKSUM:
+        return not isinstance(answer, Acknowledgement)
+    return isinstance(answer, VariableFrame) and len(answer.pdu) >= _LEAST_PDU.get(fault.kind, 6)
+
+
+def damage(fault: Fault, raw: bytes, previous: bytes | None) -> bytes:
+    """Return the bytes of an answer as they arrive at the master.
+
+    ``raw`` are the bytes that ``can_damage`` found fit, ``previous`` is the data answer before it.
+    """
+    kind, value = fault.kind, fault.value
+    if kind is FaultKind.GARBAGE:
+        return fault.data or _GARBAGE
+    frame = examine_frame(raw)[0]
+    if frame is None or not can_damage(fault, frame):
+        return raw  # another fault has left nothing to damage
+    if kind is FaultKind.CLIPPED:
+        return _byte(0xF9 if value is None else value)
+    if kind is FaultKind.CUT:
+        return raw[:-2] if value is None else raw[:value]
+    if kind is FaultKind.STALE and previous is not None:
+        return previous
+    if kind is FaultKind.FCS:
+        return raw[:-2] + _byte(raw[-2] + 1 if value is None else value) + raw[-1:]
+    changed = bytearray(raw)
+    _change(kind, value, changed)
+    first = 1 if raw[0] == SD1 else 4
+    changed[-2] = checksum(bytes(changed[first:-2]))
+    return bytes(changed)
+
+
+def _change(kind: FaultKind, value: int | None, raw: bytearray) -> None:
+    """Put a wrong value into one field of a frame; the checksum is not corrected here."""
+    source = 2 if raw[0] == SD1 else 5
+    if kind is FaultKind.ADDRESS:
+        raw[source] = (raw[source] + 1) % 127 if value is None else value & 0xFF
+    elif kind is FaultKind.FUNCTION:
+        raw[source + 1] = 0x02 if value is None else value & 0xFF
+    elif kind is FaultKind.COUNT:
+        at = _PDU + 13
+        raw[at] = (raw[at] + 1 if value is None else value) & 0xFF
+    elif kind is FaultKind.LENGTH:
+        bits = raw[_PDU + 15] in {SizeCode.BIT, SizeCode.WORDS}
+        _add(raw, _PDU + 16, 8 if bits else 1, value)
+    else:
+        _add(raw, _PDU + 4, -1 if kind is FaultKind.STALE else 1, value)
+
+
+def _add(raw: bytearray, at: int, step: int, value: int | None) -> None:
+    wrong = int.from_bytes(raw[at : at + 2]) + step if value is None else value
+    raw[at : at + 2] = (wrong & 0xFFFF).to_bytes(2)
+
+
+def _byte(value: int) -> bytes:
+    return bytes((value & 0xFF,))
+
+
+def before(fault: Fault, frame: bytes) -> bytes:
+    """Return what a fault puts in front of the answer to ``frame``."""
+    if fault.kind is FaultKind.ECHO:
+        return frame
+    if fault.data:
+        return fault.data
+    if fault.kind is FaultKind.TOKEN:
+        return encode_frame(TokenFrame(3, 1)) + encode_frame(TokenFrame(1, 3))
+    if fault.kind is FaultKind.NOISE:
+        return b"\x00\xff"
+    item = Item.memory(Area.V, 0)
+    return (
+        encode_request(ReadRequest(0x4711, (item,)), destination=6, source=1)
+        + bytes((ACKNOWLEDGE,))
+        + encode_poll(destination=6, source=1, function=0x5C)
+        + encode_reply(ReadReply(0x4711, (ItemResult.of(item, b"\x99"),)), destination=1, source=6)
+    )

@@ -1,1 +1,0 @@
-"""Drive jobs in recorded runs: see ``plcgen.trace.face``."""

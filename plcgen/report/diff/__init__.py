@@ -1,0 +1,1 @@
+"""Two versions of a project compared: their specs, their blocks, and a lock."""

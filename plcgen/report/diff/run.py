@@ -1,0 +1,107 @@
+"""``compare``: paths in, changes out."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity, Span, has_errors
+from plcgen.base.diagnostics.counting import shortlist
+from plcgen.base.files.files import YAML_SUFFIXES
+from plcgen.report.diff.jobs import compare_jobs
+from plcgen.report.diff.planned import spec_snapshot
+from plcgen.s7.compare.blocks import compare_blocks
+from plcgen.s7.compare.model import Change, Comparison, Snapshot
+from plcgen.s7.compare.policy import Level
+from plcgen.s7.compare.policyfile import load_policy
+from plcgen.s7.compare.states import snapshot_of
+from plcgen.s7.read.blocks import Sources, read_sources
+
+_DERIVED = frozenset({"block-text", "member-comment"})
+"""What follows from a change of the spec anyway, where both sides are specs. Code and start values do not: which bit an
+input writes, what a sequence waits for and the records of a recipe are in no telegram."""
+
+
+def compare(
+    old: Sequence[Path], new: Sequence[Path], policy: Sequence[str] = (), *, classic: bool = False
+) -> Comparison:
+    """Compare two sets of sources, folders or specs; every problem is a diagnostic of the result.
+
+    A spec against sources means the sources that would be generated from it.
+    """
+    labels = (_label(old), _label(new))
+    try:
+        levels = load_policy(policy)
+    except DiagnosticError as problem:
+        return Comparison(*labels, (), problem.diagnostics)
+    before, after = _both(old, new, classic=classic)
+    return compare_snapshots(before, after, levels)
+
+
+def compare_snapshots(old: Snapshot, new: Snapshot, policy: Mapping[str, Level]) -> Comparison:
+    """Compare two states."""
+    diagnostics = tuple(dict.fromkeys([*old.diagnostics, *new.diagnostics]))
+    if any(not side.blocks and has_errors(side.diagnostics) for side in (old, new)):
+        return Comparison(old.label, new.label, (), diagnostics)
+    changes = compare_jobs(old, new, policy)
+    blocks = compare_blocks(old.blocks, new.blocks, policy, comments=old.complete and new.complete)
+    if old.jobs is not None and new.jobs is not None:
+        twins = old.mirrored & new.mirrored
+        blocks = [c for c in blocks if c.kind not in _DERIVED and not _is_twin(c, twins)]
+        blocks = [dataclasses.replace(change, old_span=None, new_span=None) for change in blocks]
+    return Comparison(old.label, new.label, (*changes, *blocks), diagnostics, len(new.blocks))
+
+
+def _is_twin(change: Change, names: frozenset[str]) -> bool:
+    """Whether the comparison of the telegrams says the same."""
+    kind, _, name = change.subject.partition(" ")
+    return name.strip('"').upper() in names and (kind.startswith("UDT") or change.kind == "start-value")
+
+
+def _both(old: Sequence[Path], new: Sequence[Path], *, classic: bool) -> tuple[Snapshot, Snapshot]:
+    """Both states; a type that only one side's files declare serves the other side too."""
+    if any(path.suffix.lower() in YAML_SUFFIXES for path in (*old, *new)):
+        return snapshot(old, classic=classic), snapshot(new, classic=classic)
+    before, after = _read(old, classic=classic), _read(new, classic=classic)
+    lent = dict(before.types)
+    for side, other in ((before, after.types), (after, lent)):
+        for part in (side, *side.parts.values()):
+            for name, block in other.items():
+                part.types.setdefault(name, block)
+    return snapshot_of(before, _label(old)), snapshot_of(after, _label(new))
+
+
+def snapshot(paths: Sequence[Path], *, classic: bool = False) -> Snapshot:
+    """State of a spec, or of files and folders; a spec stands alone."""
+    specs = [path for path in paths if path.suffix.lower() in YAML_SUFFIXES]
+    if not specs:
+        return snapshot_of(_read(paths, classic=classic), _label(paths))
+    if len(paths) > 1:
+        message = "a spec is compared on its own: name it without other files"
+        return Snapshot(_label(paths), diagnostics=[Diagnostic("PG632", message, Span(str(specs[0])))])
+    return spec_snapshot(specs[0])
+
+
+def _read(paths: Sequence[Path], *, classic: bool) -> Sources:
+    """Read the sources of one side; what would never be compared is an error.
+
+    That is a second declaration of a block, and files in which there is no block at all, tag tables for example.
+    """
+    found = read_sources(paths, classic=classic)
+    found.diagnostics[:] = [
+        dataclasses.replace(d, severity=Severity.ERROR) if d.code == "PG805" else d for d in found.diagnostics
+    ]
+    if not found.blocks and not has_errors(found.diagnostics) and not _is_void(paths):
+        found.diagnostics.append(Diagnostic("PG804", "there is no block in these files", Span(str(paths[0]))))
+    return found
+
+
+def _is_void(paths: Sequence[Path]) -> bool:
+    """Whether there is nothing to read on purpose: git names the null device for a file that one side lacks."""
+    return all(path == Path(os.devnull) for path in paths)
+
+
+def _label(paths: Sequence[Path]) -> str:
+    return shortlist([path.as_posix() for path in paths], 3, f" (+{len(paths) - 3})")

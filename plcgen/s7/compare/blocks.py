@@ -1,0 +1,227 @@
+"""Blocks, old against new: matched by kind and name, renames found by number or by identical contents."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+from plcgen.base.diagnostics.counting import shortlist
+from plcgen.s7.compare.code import compare_code
+from plcgen.s7.compare.members import MemberComparison, text_change
+from plcgen.s7.compare.model import BlockState, Change, Found, MemberState
+from plcgen.s7.compare.policy import Level
+
+_DEFAULTS = {
+    "DBACCESSIBLEFROMOPCUA": "TRUE", "DBACCESSIBLEFROMWEBSERVER": "TRUE", "ISIECCHECKENABLED": "FALSE",
+    "ISONLYSTOREDINLOADMEMORY": "FALSE", "ISRETAINMEMRESENABLED": "FALSE", "ISWRITEPROTECTEDINAS": "FALSE",
+    "MEMORYRESERVE": "100", "UDAENABLETAGREADBACK": "FALSE", "VERSION": "0.1",
+}  # fmt: skip
+"""What an attribute of a block means that is not written: whether it is, is a setting of the export."""
+
+_ORDER = {"DB": 0, "FB": 1, "FC": 2, "OB": 3, "UDT": 4}
+
+
+def compare_blocks(
+    old: Sequence[BlockState], new: Sequence[BlockState], policy: Mapping[str, Level], *, comments: bool = True
+) -> list[Change]:
+    """Every change, block by block: data blocks first, then code, then types; by name within a kind.
+
+    ``comments`` is False if one side does not keep them.
+    """
+    pairs, gone, came = _match(old, new)
+    found: list[tuple[BlockState, list[Change]]] = [(b, [_whole("block-removed", b, policy)]) for b in gone]
+    found += [(b, [_whole("block-added", b, policy)]) for b in came]
+    for before, after in pairs:
+        found.append((after, _Pair(before, after, policy, comments=comments).changes()))
+    found.sort(key=lambda item: (_ORDER.get(item[0].kind, 9), item[0].name.upper()))
+    return [change for _, changes in found for change in changes]
+
+
+def _whole(kind: str, block: BlockState, policy: Mapping[str, Level]) -> Change:
+    size = "" if block.size is None else f", {block.size} bytes"
+    spans = (block.span, None) if kind == "block-removed" else (None, block.span)
+    what = "removed" if kind == "block-removed" else "added"
+    return Change(kind, policy[kind], block.title, "", f"{what}{size}", "", "", *spans)
+
+
+def _match(
+    old: Sequence[BlockState], new: Sequence[BlockState]
+) -> tuple[list[tuple[BlockState, BlockState]], list[BlockState], list[BlockState]]:
+    names = {(block.kind, block.name.upper()): block for block in old}
+    pairs = [(names[key], block) for block in new if (key := (block.kind, block.name.upper())) in names]
+    kept_old, kept_new = {id(a) for a, _ in pairs}, {id(b) for _, b in pairs}
+    gone = [block for block in old if id(block) not in kept_old]
+    came = [block for block in new if id(block) not in kept_new]
+    for identity in (_by_number, _by_contents):
+        renamed = list(_unique(gone, came, identity))
+        pairs += renamed
+        gone = [block for block in gone if not any(block is a for a, _ in renamed)]
+        came = [block for block in came if not any(block is b for _, b in renamed)]
+    return pairs, gone, came
+
+
+def _by_number(block: BlockState) -> str:
+    return "" if block.number is None else f"{block.kind}{block.number}"
+
+
+def _by_contents(block: BlockState) -> str:
+    """Digest of declaration, start values and code; nothing is unmistakable about an empty block."""
+    if not block.members and not block.code_hash:
+        return ""
+    lines = [block.kind, block.instance_of, block.code_hash, str(block.size), *block_lines(block.members)]
+    return hashlib.sha256("\n".join(lines).encode()).hexdigest()
+
+
+def block_lines(members: Sequence[MemberState]) -> Iterator[str]:
+    """One canonical line per own member."""
+    pending = list(reversed(members))
+    while pending:
+        member = pending.pop()
+        if not member.foreign:
+            yield f"{member.section} {member.path.upper()} {member.offset} {member.type.upper()} {member.start}"
+            pending.extend(reversed(member.inner))
+
+
+def _unique(
+    gone: Sequence[BlockState], came: Sequence[BlockState], key: Callable[[BlockState], str]
+) -> Iterator[tuple[BlockState, BlockState]]:
+    """Pairs that share a key which nothing else on either side has."""
+    old, new = Counter(map(key, gone)), Counter(map(key, came))
+    by_key = {key(block): block for block in gone}
+    for block in came:
+        own = key(block)
+        if own and old[own] == 1 and new[own] == 1:
+            yield by_key[own], block
+
+
+class _Pair:
+    """One block on both sides."""
+
+    def __init__(self, old: BlockState, new: BlockState, policy: Mapping[str, Level], *, comments: bool) -> None:
+        self.old, self.new, self.policy, self.comments = old, new, policy, comments
+        self.found: list[Change] = []
+
+    def add(
+        self, kind: str, message: str, old: str = "", new: str = "", *, path: str = "", details: tuple[str, ...] = ()
+    ) -> None:
+        """Keep a change of the block itself."""
+        self.keep(Found(kind, path, message, old, new, self.old.span, self.new.span, details))
+
+    def keep(self, found: Found) -> None:
+        """Classify a difference."""
+        self.found.append(Change(found.kind, self.policy[found.kind], self.new.title, *found[1:]))
+
+    def changes(self) -> list[Change]:
+        """Every change of this block."""
+        old, new = self.old, self.new
+        self.header()
+        for found in MemberComparison(old, new, comments=self.comments).run():
+            after = None if found.kind == "member-removed" else found.new_span or new.span
+            self.keep(found._replace(old_span=found.old_span or old.span, new_span=after))
+        self.assignments()
+        self.local()
+        code = compare_code(old, new)
+        if code is not None:
+            self.keep(code)
+        return self.found
+
+    def header(self) -> None:
+        """Name, number, size, access, attributes, texts."""
+        old, new = self.old, self.new
+        if old.name.upper() != new.name.upper():
+            self.add("block-renamed", f"{old.title} is now {new.title}", old.name, new.name)
+        elif old.name != new.name:
+            self.add("member-spelling", f"{old.name} is now spelled {new.name}", old.name, new.name)
+        if None not in {old.number, new.number} and old.number != new.number:
+            was, now = f"{old.kind}{old.number}", f"{new.kind}{new.number}"
+            self.add("block-renumbered", f"{was} -> {now}", was, now)
+        if old.instance_of.upper() != new.instance_of.upper():
+            was, now = old.instance_of or "own members", new.instance_of or "own members"
+            self.add("instance-type", f"made from {was} -> {now}", was, now)
+        placed = not (old.optimized and new.optimized)  # else the CPU alone knows the size
+        if placed and old.size is not None and new.size is not None and old.size != new.size:
+            kind = "block-grown" if new.size > old.size else "block-shrunk"
+            self.add(kind, f"{old.size} -> {new.size} bytes", str(old.size), str(new.size))
+        if _access(old) != _access(new) and not (None in {old.optimized, new.optimized} and _mixed(old, new)):
+            self.add("access-changed", f"{_access(old)} -> {_access(new)} access", _access(old), _access(new))
+        instances = old.instance_of and new.instance_of  # of their retentivity a document says nothing
+        if old.non_retain != new.non_retain and not (instances and _mixed(old, new)):
+            was, now = _retain(old), _retain(new)
+            self.add("retain-changed", f"the block: {was} -> {now}", was, now)
+        spelt = {_key(name): name for name, _ in (*old.attributes, *new.attributes)}
+        before, after = ({_key(name): value for name, value in side.attributes} for side in (old, new))
+        for key, was, now in _differences(before, after):
+            if was.upper() == now.upper():
+                continue
+            usual = key in _DEFAULTS and not _is_document(old if was else new)
+            if not ((was and now) or usual) and _mixed(old, new):
+                continue  # a text has no words for most of what a document says
+            name = spelt[key]
+            self.add("block-attribute", f"{name} {was or '(absent)'} -> {now or '(absent)'}", was, now)
+        if self.comments:
+            for name, was, now in _differences(dict(old.texts), dict(new.texts)):
+                if _mixed(old, new) and not (was and now):
+                    continue  # not every text has a place in both spellings
+                self.add("block-text", f"{name} {text_change(was, now)}", was, now)
+
+    def assignments(self) -> None:
+        """Start values that a DB gives to members of its types."""
+        before, after = dict(self.old.assignments), dict(self.new.assignments)
+        if self.old.instance_of and not self.old.instance_kind and _mixed(self.old, self.new):
+            # Without the function block nobody knows which values of the document are its own.
+            before = {path: before[path] for path in before.keys() & after.keys()}
+            after = {path: after[path] for path in before}
+        for path, was, now in _differences(before, after):
+            message = f"start value {was or 'of the type'} -> {now or 'of the type'}"
+            self.add("start-value", message, was, now, path=path)
+
+    def local(self) -> None:
+        """Temporary variables and constants: values of constants one by one, the rest in one change."""
+        old = {(m.section, m.name.upper()): m for m in self.old.locals}
+        new = {(m.section, m.name.upper()): m for m in self.new.locals}
+        details = [f"{new[key].name} added" for key in new if key not in old]
+        details += [f"{old[key].name} removed" for key in old if key not in new]
+        for key in (key for key in new if key in old):
+            before, after = old[key], new[key]
+            if before.type.upper() != after.type.upper():
+                details.append(f"{after.name}: {before.type} -> {after.type}")
+            elif before.start != after.start:
+                message = f"{before.start or '(no value)'} -> {after.start or '(no value)'}"
+                self.add("constant-changed", message, before.start, after.start, path=after.name)
+            elif self.comments and before.comment != after.comment:
+                message = f"comment {text_change(before.comment, after.comment)}"
+                self.add("member-comment", message, before.comment, after.comment, path=after.name)
+        if details:
+            shown = shortlist(sorted(details), 3, f", .. ({len(details)})")
+            self.add("local-changed", shown, details=tuple(sorted(details)))
+
+
+def _access(block: BlockState) -> str:
+    return "optimized" if block.optimized else "standard"
+
+
+def _mixed(old: BlockState, new: BlockState) -> bool:
+    """Whether one side is a document, the other a text, which states less or other things; locks are neither."""
+    files = [block.span.file.lower() for block in (old, new) if block.span is not None]
+    return _is_document(old) != _is_document(new) and not any(file.endswith(".yaml") for file in files)
+
+
+def _is_document(block: BlockState) -> bool:
+    return block.span is not None and block.span.file.lower().endswith(".xml")
+
+
+def _key(attribute: str) -> str:
+    """Name of an attribute in both spellings: a text has ``DB_Accessible_From_OPC_UA``, a document no underscores."""
+    return attribute.upper().replace("_", "")
+
+
+def _retain(block: BlockState) -> str:
+    return "not retentive" if block.non_retain else "retentive"
+
+
+def _differences(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[tuple[str, str, str]]:
+    for name in sorted(old.keys() | new.keys()):
+        was, now, default = old.get(name, ""), new.get(name, ""), _DEFAULTS.get(name.upper(), "")
+        if was != now and not {was.upper(), now.upper()} <= {"", default}:
+            yield name, was, now

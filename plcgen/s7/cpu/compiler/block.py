@@ -1,0 +1,236 @@
+"""One block of the program to one Python function (and a second one for multi-instances)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from plcgen.base.diagnostics import Diagnostic, Span, has_errors
+from plcgen.s7.cpu.compiler.access import Access
+from plcgen.s7.cpu.compiler.arguments import Arguments
+from plcgen.s7.cpu.compiler.assignments import Assignments
+from plcgen.s7.cpu.compiler.branches import Branches
+from plcgen.s7.cpu.compiler.calls import Calls
+from plcgen.s7.cpu.compiler.context import Context, Listing
+from plcgen.s7.cpu.compiler.decisions import Decisions
+from plcgen.s7.cpu.compiler.expressions import Expressions
+from plcgen.s7.cpu.compiler.functions import Functions
+from plcgen.s7.cpu.compiler.loops import Labels, Loops, Watchdog, has_labels
+from plcgen.s7.cpu.compiler.moves import Moves
+from plcgen.s7.cpu.compiler.opened import OpenedBlocks
+from plcgen.s7.cpu.compiler.operands import Operands
+from plcgen.s7.cpu.compiler.operators import Operators
+from plcgen.s7.cpu.compiler.places import Places
+from plcgen.s7.cpu.compiler.references import References
+from plcgen.s7.cpu.compiler.scope import Scope, function_parameters
+from plcgen.s7.cpu.compiler.statements import Statements
+from plcgen.s7.cpu.compiler.values import Symbol
+from plcgen.s7.cpu.linkage import ENO, Compiled, Linkage, ProgramBlock
+from plcgen.s7.cpu.memory import CODECS
+from plcgen.s7.layout.image import default_bytes
+from plcgen.s7.layout.layout import Layout, leaves
+from plcgen.s7.scl import ast
+from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.types.blocks import BlockKind, SectionKind
+from plcgen.s7.types.data_types import Elementary, Member, StringType
+
+_LITTER = {"0": "0xA0 if g else 0xC3", "0.0": "1e30 if g else -1e30", "False": "g"}
+"""Garbage in local data at the start of a call by the default values of the types: of two kinds in turn, by ``g``.
+
+Blocks with optimised access find those defaults (help of the TIA Portal, "Parameter assignment to functions", Temp).
+"""
+
+
+def compile_block(
+    owner: ProgramBlock, link: Linkage, *, dynamic: bool = False, plain: Compiled | None = None
+) -> Compiled:
+    """Generate the code of an FB, FC or OB; what is wrong with it is in ``diagnostics``.
+
+    With ``plain``, the same block once more, it has points for interrupts and counts with the same counters.
+    """
+    untyped = link.dialect is Dialect.STEP7_V5
+    scope = Scope(owner.block, owner.shape, link.types, untyped=untyped, classic=link.classic)
+    out = Listing()
+    first = len(link.probes)
+    known = {link.probes[number]: number for number in plain.counters} if plain is not None else {}
+    context = Context(owner, scope, link, out, dynamic, plain is not None, known)
+    name = context.function(owner.index, moving=dynamic)
+    file = owner.result.tokens.file
+    expressions, statements = Expressions(), Statements(context, out)
+    source, code = "", None
+    try:
+        _frame(context, expressions, statements).compile(name)
+        out.tidy()
+        source = "\n".join(out.lines)
+        if not has_errors(context.diagnostics):
+            code = compile(source, f"<{file}>", "exec", dont_inherit=True, optimize=1)
+    except (RecursionError, SyntaxError, MemoryError, OverflowError):
+        source, out.map = "", []
+        span = owner.block.span or Span(file)
+        context.diagnostics.append(Diagnostic("PG802", f"{owner.name} is nested too deeply", span))
+    finally:
+        # the parts hold each other: their memory is free now, not when the garbage collector comes
+        expressions.parts.clear()
+        statements.parts.clear()
+    diagnostics = [*context.diagnostics, *(found for problem in scope.problems for found in problem.diagnostics)]
+    moving, counters = frozenset(context.moving), range(first, len(link.probes))
+    return Compiled(owner.name, name, source, out.map, file, code, diagnostics, context.calls, moving, counters)
+
+
+def _frame(context: Context, expressions: Expressions, statements: Statements) -> _Frame:
+    """Put the parts together: each is given those it needs."""
+    out = context.out
+    access = Access(context, out)
+    places = Places(context, out, access, expressions, OpenedBlocks(context, expressions))
+    references = References(context, out, access, expressions, places)
+    operators = Operators(context, access, expressions, places)
+    operands = Operands(context, access, expressions, places, references)
+    assignments = Assignments(context, out, access, expressions, places)
+    arguments = Arguments(context, access, expressions, places, references, assignments, out)
+    functions = Functions(context, expressions)
+    moves = Moves(context, out, access, expressions, places, references, assignments, functions)
+    watchdog = Watchdog(out)
+    calls = Calls(
+        context, out, access, expressions, places, references, assignments, arguments, functions, moves,
+        watchdog,
+    )  # fmt: skip
+    expressions.parts |= {
+        ast.Name: operands.name, ast.Literal: operands.literal, ast.Slice: operands.slice,
+        ast.Omitted: operands.omitted, ast.Aggregate: operands.listed, ast.Repetition: operands.listed,
+        ast.Binary: operators.binary, ast.Unary: operators.unary, ast.Call: calls.call_value,
+    }  # fmt: skip
+    if context.link.coverage:
+        decisions = Decisions(context, out, expressions, dict(expressions.parts))
+        expressions.parts |= {ast.Binary: decisions.value, ast.Unary: decisions.value}
+    paths = (ast.Member, ast.Index, ast.Address, ast.Peripheral, ast.Dereference)
+    expressions.parts |= dict.fromkeys(paths, operands.variable)
+    labels = Labels(context, out, access, watchdog, statements)
+    branches = Branches(context, out, access, expressions, statements)
+    loops = Loops(context, out, access, expressions, assignments, watchdog, labels, statements)
+    statements.parts |= {
+        ast.Assign: assignments.assign, ast.CallStatement: calls.call_statement,
+        ast.If: branches.if_statement, ast.Case: branches.case_statement, ast.For: loops.for_statement,
+        ast.While: loops.while_statement, ast.Repeat: loops.repeat_statement, ast.Jump: loops.jump,
+        ast.Goto: labels.goto,
+    }  # fmt: skip
+    return _Frame(context, out, access, statements, labels)
+
+
+@dataclass(slots=True, eq=False)
+class _Frame:
+    """The frame around the statements: parameters, local data, results."""
+
+    context: Context
+    out: Listing
+    access: Access
+    statements: Statements
+    labels: Labels
+
+    def compile(self, name: str) -> None:
+        """Generate the whole function."""
+        unit = self.context.unit
+        self.context.move_to(unit)
+        head, leave = self.frame()
+        self.context.leave = self.eno(unit) + leave
+        leave = self.context.leave
+        self.out.lines.append(f"def {name}({head}):")
+        self.out.map.append(self.out.line)
+        self.prologue()
+        begin = len(self.out.lines)
+        if has_labels(unit.statements):
+            self.labels.segments(unit.statements)
+            self.out.emit(leave)
+        elif self.statements.body(unit.statements):
+            self.out.emit(leave)
+        if self.context.calling:
+            # blocks that call others may call each other without end; what they call counts for them
+            watch = f" W[0]+={self.context.calling}", " if W[0]>W[1]:late()"
+            for line in reversed(watch):
+                self.out.insert(begin, line, self.out.map[0])
+        if self.context.uses_eno:
+            self.out.insert(begin, " eno=[True];ok=True" if self.context.keeps_ok else " eno=[True]", self.out.map[0])
+
+    def eno(self, unit: ast.Unit) -> str:
+        """Code that hands out the block's ENO when it ends: its own, TRUE if the block does not speak of it."""
+        if not self.context.link.eno:
+            return ""
+        text = self.context.owner.result.tokens.source[unit.start : unit.end]
+        self.context.uses_eno = ENO.search(text) is not None
+        return f"E[0]={self.context.enable('OK')};" if self.context.uses_eno else "E[0]=True;"
+
+    def frame(self) -> tuple[str, str]:
+        """Python parameters, and the statement that leaves the block."""
+        if self.context.owner.block.kind is BlockKind.FB:
+            return ("m,o" if self.context.dynamic else "m"), "return"
+        parameters: list[str] = []
+        results: list[str] = []
+        returned = ""
+        for kind, _, how, symbol in self.parameters():
+            if kind is SectionKind.RETURN:
+                returned = symbol.type_name if how == "value" else f"r_s({symbol.type_name}_m,0)"
+                continue
+            if how != "value" or kind is not SectionKind.OUTPUT or self.context.classic:
+                parameters.append(symbol.type_name)
+            if how == "value" and kind is not SectionKind.INPUT:
+                results.append(symbol.type_name)
+        if results:
+            return ",".join(parameters), f"return {returned or 'None'},{','.join(results)}"
+        return ",".join(parameters), f"return {returned}".rstrip()
+
+    def parameters(self) -> list[tuple[SectionKind, Member, str, Symbol]]:
+        """Parameters of an FC with their symbols."""
+        rows = []
+        for kind, member, how in function_parameters(self.context.owner.block):
+            name = self.context.owner.name if kind is SectionKind.RETURN else member.name
+            rows.append((kind, member, how, self.context.scope.symbols[name.upper()]))
+        return rows
+
+    def prologue(self) -> None:
+        """Initial values of locals, memory for local data, references."""
+        if self.context.owner.block.kind is not BlockKind.FB:
+            for kind, member, how, symbol in self.parameters():
+                self.parameter_prologue(kind, member, how, symbol)
+        for name, symbol in self.context.scope.copied:
+            if symbol.place is not None:
+                self.out.emit(f"{name}_m,{name}_o=deref(r_x(m,{self.access.address(symbol.place)},6))")
+        groups: dict[str, list[str]] = {}
+        for name, type_ in self.context.scope.locals:
+            if name.startswith("v"):
+                default = CODECS[type_].default if type_ in CODECS else "False"
+                groups.setdefault(default, []).append(name)
+        link = self.context.link
+        litter = _LITTER if link.litter and not link.optimized(self.context.owner) else {}
+        if litter and (groups or self.context.scope.temp_shape is not None):
+            self.out.emit("g=G[0]=not G[0]")
+        for default, names in groups.items():
+            self.out.emit(f"{'='.join(names)}={litter.get(default, default)}")
+        if self.context.scope.temp_shape is not None:
+            optimized = ",True" if link.mixed and link.optimized(self.context.owner) else ""
+            size = self.context.scope.temp_shape.bits // 8
+            self.out.emit(f"t=local({size}{optimized})")
+            if litter:
+                self.out.emit(f"t[:]=(b'\\xa5' if g else b'<')*{size}")
+                self.empty_texts(Layout(size, self.context.scope.temp_shape))
+            elif link.optimized(self.context.owner) and any(defaults := default_bytes(self.context.scope.temp_shape)):
+                self.out.emit(f"t[:]={defaults!r}")
+            if self.context.owner.block.kind is BlockKind.OB and self.context.classic:
+                self.out.emit(f"ob_info(t,{link.ob_number(self.context.owner)})")
+
+    def empty_texts(self, layout: Layout) -> None:
+        """Texts in local data are empty in blocks of the TIA Portal (help, as above)."""
+        heads = {"STRING": (1,), "WSTRING": (2, 3)}
+        texts = [(entry.offset // 8, entry.type.name) for entry in leaves(layout) if isinstance(entry.type, StringType)]
+        lengths = tuple(at + head for at, name in texts for head in heads[name])
+        if lengths and self.context.link.dialect.is_tia:
+            self.out.emit(f"for k in {lengths}:t[k]=0")
+
+    def parameter_prologue(self, kind: SectionKind, member: Member, how: str, symbol: Symbol) -> None:
+        """Make one parameter of an FC ready."""
+        name = symbol.type_name
+        if how == "value":
+            if kind is SectionKind.RETURN or (kind is SectionKind.OUTPUT and not self.context.classic):
+                type_ = member.type.name if isinstance(member.type, Elementary) else ""
+                self.out.emit(f"{name}={CODECS[type_].default if type_ in CODECS else 'False'}")
+        elif how == "reference":
+            if kind is SectionKind.RETURN and symbol.place is not None:
+                self.out.emit(f"{name}=(local({symbol.place.shape.bits // 8}),0,0)")
+            self.out.emit(f"{name}_m,{name}_o=there({name})")

@@ -1,0 +1,217 @@
+"""Blocks before and after compilation, and what one may refer to: other blocks, tags and numbers of a program."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import CodeType
+
+from plcgen.base.diagnostics import Diagnostic, Span
+from plcgen.s7.cpu.decisions import Decision
+from plcgen.s7.cpu.type_rules import IecCheck, TypeRules
+from plcgen.s7.layout.shapes import Shape
+from plcgen.s7.scl import ast
+from plcgen.s7.scl.constants import integer
+from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.scl.parser import ParseResult, parse
+from plcgen.s7.scl.unknown_names import UnknownNames
+from plcgen.s7.types.address import Address, AddressError, parse_address
+from plcgen.s7.types.blocks import Block, BlockKind
+from plcgen.s7.types.data_types import NamedType
+
+_NUMBERED = re.compile(r"(?:DB|FB|FC|OB|SFB|SFC|UDT)[0-9]{1,5}", re.ASCII)
+ENO = re.compile(r"\b(?:ENO|OK)\b", re.IGNORECASE)
+"""A word for the enable output of a block."""
+
+
+@dataclass(slots=True)
+class ProgramBlock:
+    """A block of the program: the tree, the declarations, where it lies in the generated code.
+
+    ``unit`` has the places of the block in its text, and its tree until that is released.
+    """
+
+    index: int
+    unit: ast.Unit
+    block: Block
+    result: ParseResult
+    shape: Shape | None = None
+    number: int | None = None
+    released: bool = False
+
+    @property
+    def name(self) -> str:
+        """Name as declared."""
+        return self.block.name
+
+    @property
+    def words(self) -> list[str]:
+        """Its text without blanks and line ends."""
+        return self.result.tokens.source[self.unit.start : self.unit.end].split()
+
+    @property
+    def skipped(self) -> bool:
+        """Whether it has code that was not read, as that of a statement list."""
+        return self.unit.code[0] < 0 and self.block.kind in {BlockKind.FB, BlockKind.FC, BlockKind.OB}
+
+    @property
+    def tree(self) -> ast.Unit:
+        """The whole tree; one that was released is made again."""
+        if not self.released:
+            return self.unit
+        text, unit = self.result.tokens.source, self.unit
+        return parse(" " * unit.start + text[unit.start : unit.end], self.result.tokens.file).units[0]
+
+    def release(self) -> None:
+        """Keep the text alone, a tenth of the memory."""
+        self.unit = replace(self.unit, sections=(), body_type=None, statements=())
+        self.released = True
+
+
+@dataclass(frozen=True, slots=True)
+class Probe:
+    """One thing coverage counts: a statement, the outcome of a branch, or an operand that decides."""
+
+    file: str
+    line: int
+    column: int
+    kind: str
+
+
+@dataclass(slots=True)
+class Compiled:
+    """A block as Python code; ``lines`` maps a line of ``source`` to the line of the SCL file.
+
+    ``counters`` are those of its coverage.
+
+    ``calls`` are the blocks it calls, ``moving`` those of them that are multi-instances, by upper-case name.
+    """
+
+    name: str
+    function: str
+    source: str
+    lines: list[int]
+    file: str
+    code: CodeType | None = None
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+    calls: dict[str, Span] = field(default_factory=dict)
+    moving: frozenset[str] = frozenset()
+    counters: range = range(0)
+
+
+@dataclass(slots=True)
+class Linkage:
+    """Names of a program; keys are upper case.
+
+    ``constants`` are system constants of the project, hardware identifiers by name; ``literals`` has those and the
+    ``user_constants`` as they are written, ``numbers`` the whole numbers among them.
+    ``mixed``: blocks with standard and with optimised access meet. ``eno``: some block speaks of ENO or OK. ``litter``:
+    local data holds garbage at the start of a call, of two kinds in turn. ``probes`` and ``decisions`` grow while
+    blocks are compiled for coverage; ``counted_by`` has for each probe the number of the one that counts for it, the
+    first of those that run equally often unless a fault ends the scan. ``points`` grow while blocks are compiled for
+    preemption.
+
+    ``stated`` says of single blocks whether their IEC check is on, ``iec_check`` of all others.
+    ``opaque`` are the types that nobody declares: they are reported once, and nothing is said about what they hold.
+    ``unknown`` are the names that were reported as unknown; ``guessed_bounds`` says that an array has a
+    bound whose value stands elsewhere: then one of a single element may have more.
+    """
+
+    dialect: Dialect
+    blocks: dict[str, ProgramBlock] = field(default_factory=dict)
+    types: dict[str, Block] = field(default_factory=dict)
+    tags: dict[str, tuple[Address, str]] = field(default_factory=dict)
+    constants: dict[str, int] = field(default_factory=dict)
+    aliases: dict[str, str] = field(default_factory=dict)
+    addresses: dict[str, str] = field(default_factory=dict)
+    instance_regions: set[str] = field(default_factory=set)
+    mixed: bool = False
+    eno: bool = False
+    coverage: bool = False
+    litter: bool = False
+    probes: list[Probe] = field(default_factory=list)
+    counted_by: list[int] = field(default_factory=list)
+    decisions: list[Decision] = field(default_factory=list)
+    points: list[Probe] = field(default_factory=list)
+    iec_check: IecCheck = IecCheck.AS_STATED
+    stated: Mapping[str, bool] = field(default_factory=dict)
+    user_constants: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    literals: dict[str, str] = field(default_factory=dict)
+    numbers: dict[str, int] = field(default_factory=dict)
+    opaque: set[str] = field(default_factory=set)
+    unknown: UnknownNames = field(default_factory=UnknownNames)
+    guessed_bounds: bool = False
+
+    def add_constants(self, constants: Mapping[str, int], user_constants: Mapping[str, tuple[str, str]]) -> None:
+        """Take over the constants of the project."""
+        self.constants = {name.upper(): number for name, number in constants.items()}
+        self.user_constants = user_constants
+        self.literals = {name: literal for name, (_, literal) in user_constants.items()}
+        self.literals |= {name: str(number) for name, number in self.constants.items()}
+        found = {name: integer(literal) for name, literal in self.literals.items()}
+        self.numbers = {name: number for name, number in found.items() if number is not None}
+
+    @property
+    def classic(self) -> bool:
+        """Whether the target is an S7-300/400."""
+        return self.dialect.classic
+
+    def rules(self, block: str) -> TypeRules:
+        """What a block may mix."""
+        return TypeRules.of(self.dialect, self.iec_check, stated=self.stated.get(block.upper()))
+
+    def is_opaque(self, shape: Shape) -> bool:
+        """Whether nobody knows what a variable of this shape holds."""
+        return isinstance(shape.type, NamedType) and shape.type.name.upper() in self.opaque
+
+    def find(self, name: str) -> ProgramBlock | None:
+        """Return a block by its name or by its number, such as DB3."""
+        upper = name.upper().lstrip("%")
+        known = self.blocks
+        return known.get(upper) or known.get(self.aliases.get(upper, "")) or known.get(self.addresses.get(upper, ""))
+
+    def ob_number(self, block: ProgramBlock) -> int:
+        """Number of an organization block, from its name, its symbol, or what Main and Startup are; else 0."""
+        name = block.name.upper()
+        known = [alias for alias, found in self.aliases.items() if found == name and alias.startswith("OB")]
+        text = next(iter(known), {"MAIN": "OB1", "STARTUP": "OB100"}.get(name, name))
+        return block.number or (int(text[2:]) if text.startswith("OB") and text[2:].isdecimal() else 0)
+
+    def data_block(self, number: int) -> ProgramBlock | None:
+        """Return the data block with a number."""
+        return self.find(f"DB{number}")
+
+    def instance_type(self, block: ProgramBlock) -> str:
+        """Name of the FB or system block that a data block is an instance of; empty for a global one."""
+        name = block.block.instance_of or ""
+        found = self.find(name)
+        if found is not None:
+            return found.name.upper() if found.block.kind is BlockKind.FB else ""
+        declared = self.types.get(name.upper())
+        return "" if declared is not None and declared.kind is BlockKind.UDT else name.upper()
+
+    def optimized(self, block: ProgramBlock) -> bool:
+        """Whether a block has optimised access; an instance data block has that of its FB."""
+        if self.classic:
+            return False
+        of = self.blocks.get(self.instance_type(block)) if block.block.kind is BlockKind.DB else None
+        return (of or block).block.optimized is not False
+
+    def add_tags(self, tags: Mapping[str, str | tuple[str, str]]) -> list[str]:
+        """Take tags over; return the names whose address makes no sense."""
+        wrong: list[str] = []
+        for name, target in tags.items():
+            text, type_ = (target, "") if isinstance(target, str) else target
+            upper = text.strip().lstrip("%").replace(" ", "").upper()
+            if _NUMBERED.fullmatch(upper):
+                self.aliases[upper] = name.upper()
+                self.addresses[name.upper()] = upper
+                continue
+            try:
+                address = parse_address(upper)
+            except AddressError:
+                wrong.append(name)
+                continue
+            self.tags[name.upper()] = (address, type_.upper() or address.type_name or "BYTE")
+        return wrong

@@ -1,0 +1,169 @@
+"""Sources as a compiler sees them: one file for its syntax and target, or a whole program for its names and types."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Note, Severity, Span, has_errors
+from plcgen.base.files.files import walk
+from plcgen.s7.cpu.program import Program, unfit_start_values
+from plcgen.s7.cpu.sharing import sharing
+from plcgen.s7.cpu.surroundings import Surroundings
+from plcgen.s7.cpu.type_rules import IecCheck
+from plcgen.s7.read.files import MAX_FILES, MAX_SEEN
+from plcgen.s7.read.text import SD_SUFFIXES, is_binary_file, left_out, load_text, read_source
+from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.scl.parser import ParseResult
+
+SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", ".st"})
+"""What counts as a PLC source when a folder is searched."""
+
+MAX_DIGITS = 10
+"""Digits of the largest constant, an UDINT."""
+
+
+@dataclass(frozen=True, slots=True)
+class SourceCheck:
+    """What was read (a file, or the files of a program), how many blocks are in it, and everything found."""
+
+    paths: tuple[Path, ...]
+    blocks: int
+    diagnostics: tuple[Diagnostic, ...]
+    declared: tuple[tuple[str, str, Span], ...] = ()
+    """Kind, name and place of every block of a file."""
+
+    @property
+    def ok(self) -> bool:
+        """Whether no diagnostic is an error."""
+        return not has_errors(self.diagnostics)
+
+
+def check_source(path: Path | str, target: Dialect | None = None, *, encoding: str | None = None) -> SourceCheck:
+    """Read one file (.scl .udt .db .awl): its syntax, its declarations, and what ``target`` does not compile.
+
+    Start values must fit as well, as far as the file declares their types. Without a target everything is right that
+    one of the three compilers accepts.
+    """
+    kept: list[ParseResult] = []
+    found, problems = read_source(path, target, encoding=encoding, keep=kept.append)
+    if not has_errors(problems):
+        problems = sorted(
+            [*problems, *unfit_start_values(kept, target or Dialect.TIA_1200_1500)], key=lambda d: d.sort_key
+        )
+    declared = tuple((block.kind.value, block.name, block.span or Span(str(path))) for block in found)
+    return SourceCheck((Path(path),), len(found), tuple(problems), declared)
+
+
+def repeated_blocks(checks: Iterable[SourceCheck]) -> Iterator[tuple[Path, Diagnostic]]:
+    """PG805, a warning, forevery block that one of the files declares again, with the file it stands in."""
+    first: dict[tuple[str, str], Span] = {}
+    for check in checks:
+        for kind, name, place in check.declared:
+            known = first.setdefault((kind, name.upper()), place)
+            if known is not place:
+                message = f'{kind} "{name}" is declared a second time'
+                notes = (Note("first declared here", known),)
+                help_ = "name the files of one version only"
+                yield check.paths[0], Diagnostic("PG805", message, place, Severity.WARNING, help=help_, notes=notes)
+
+
+def check_program(
+    paths: Sequence[Path | str],
+    target: Dialect,
+    tags: Mapping[str, str | tuple[str, str]] | None = None,
+    *,
+    iec_check: IecCheck = IecCheck.AS_STATED,
+    stated: Mapping[str, bool] | None = None,
+    encoding: str | None = None,
+    documents: Iterable[Path] = (),
+) -> SourceCheck:
+    """Compile files that together are a program: names, types, calls, assignments and start values as well.
+
+    Then look for what two of its parts share and must not (``plcgen.s7.cpu.sharing``).
+
+    ``tags`` maps names to address and type, see ``Program.load``; a number instead of an address is the value of a
+    system constant. What the soft CPU cannot execute (PG827) is no mistake here: nothing is run. ``documents`` are
+    SimaticML exports beside them: what they declare is known, and what they state of the IEC check of a block counts
+    unless ``stated`` or ``iec_check`` says otherwise.
+    """
+    files = [Path(path) for path in paths]
+    beside = Surroundings.read(documents, target)
+    if iec_check is not IecCheck.AS_STATED:
+        beside.stated.clear()
+    constants, places = _apart(tags or {})
+    program = Program.load(
+        files,
+        target,
+        tags=places,
+        constants=constants,
+        iec_check=iec_check,
+        stated=stated,
+        encoding=encoding,
+        beside=beside,
+    )
+    found = [problem for problem in program.diagnostics if problem.code != "PG827"]
+    loaded = [load_text(path, target, encoding=encoding) for path in paths]
+    refused = [problem for text in loaded if not isinstance(text, Diagnostic) for problem in text[1]]
+    found = sorted([*found, *sharing(program.link)], key=lambda d: d.sort_key)
+    return SourceCheck(tuple(map(Path, paths)), len(program.link.blocks), (*refused, *found))
+
+
+def _apart(
+    tags: Mapping[str, str | tuple[str, str]],
+) -> tuple[dict[str, int], dict[str, str | tuple[str, str]]]:
+    """System constants with their values, and all other tags."""
+    places: dict[str, str | tuple[str, str]] = {}
+    constants: dict[str, int] = {}
+    for name, target in tags.items():
+        text = (target if isinstance(target, str) else target[0]).strip()
+        if text.isascii() and text.isdecimal() and len(text) <= MAX_DIGITS:
+            constants[name] = int(text)
+        else:
+            places[name] = target
+    return constants, places
+
+
+def find_sources(path: Path | str) -> list[Path]:
+    """Return the sources below a folder, sorted, without binary files of such names; a file is returned as it is.
+
+    Hidden ones and links to folders are left out. Of a folder with SIMATIC SD documents only it is the first of
+    these: what reads it says what that is.
+
+    Raises DiagnosticError (PG802) for a folder with more than ``MAX_FILES`` of them, OSError for one that cannot be
+    read.
+    """
+    path = Path(path)
+    if not path.is_dir():
+        return [path]
+    seen = list(islice(_below(path), MAX_SEEN + 1))
+    found = [entry for entry in seen if entry.suffix.lower() in SUFFIXES and entry.is_file()]
+    if len(seen) > MAX_SEEN or len(found) > MAX_FILES:
+        message = f"more than {MAX_FILES} sources or {MAX_SEEN} files below this folder"
+        raise DiagnosticError([Diagnostic("PG802", message, Span(str(path)), help="name a smaller folder")])
+    found = [entry for entry in sorted(found) if not is_binary_file(entry)]
+    return found or sorted(entry for entry in seen if entry.suffix.lower() in SD_SUFFIXES)[:1]
+
+
+def _below(folder: Path) -> Iterator[Path]:
+    """The files below a folder, as ``walk`` finds them."""
+    for where, _, names in walk(folder):
+        yield from (where / name for name in names)
+
+
+def find_left_out(path: Path) -> list[Diagnostic]:
+    """A warning about the SIMATIC SD documents below a folder that has sources, too; nothing for a file."""
+    if not path.is_dir():
+        return []
+    seen = islice(_below(path), MAX_SEEN)
+    return left_out(path, (entry for entry in seen if entry.suffix.lower() in SD_SUFFIXES))
+
+
+def find_documents(path: Path) -> list[Path]:
+    """XML files below a folder, sorted; a file is returned as it is. Bounds as for sources."""
+    if not path.is_dir():
+        return [path]
+    seen = islice(_below(path), MAX_SEEN)
+    return sorted(islice((entry for entry in seen if entry.suffix.lower() == ".xml" and entry.is_file()), MAX_FILES))

@@ -1,0 +1,50 @@
+"""The state of a CPU as a whole, taken and put back: one run after the other from the same point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from plcgen.s7.cpu.cpu import Cpu
+from plcgen.s7.cpu.system.record import Key, RecordJob
+
+
+@dataclass(frozen=True, slots=True)
+class CpuState:
+    """Memory, clock and record jobs of a CPU; drives and serial ports are not in it."""
+
+    blocks: Mapping[int, bytes]
+    areas: Mapping[str, bytes]
+    clock: tuple[int, int]
+    scans: int
+    jobs: Mapping[Key, RecordJob]
+    orphans: tuple[RecordJob, ...]
+    misuses: int
+
+
+def freeze(cpu: Cpu) -> CpuState:
+    """Take the state of a CPU, between two scans."""
+    records = cpu.records
+    return CpuState(
+        {index: bytes(memory) for index, memory in cpu.blocks.items()},
+        {name: bytes(memory) for name, memory in cpu.areas.items()},
+        (cpu.time.cell[0], cpu.time.cell[1]),
+        cpu.scans,
+        {key: replace(job) for key, job in records.jobs.items()},
+        tuple(replace(job) for job in records.orphans),
+        len(cpu.misuses),
+    )
+
+
+def thaw(cpu: Cpu, state: CpuState) -> None:
+    """Put a state back into the CPU it was taken from; misuses that came later are forgotten."""
+    for index, content in state.blocks.items():
+        cpu.blocks[index][:] = content
+    for name, content in state.areas.items():
+        cpu.areas[name][:] = content
+    cpu.time.cell[:] = state.clock
+    cpu.scans = state.scans
+    cpu.records.jobs.clear()
+    cpu.records.jobs.update({key: replace(job) for key, job in state.jobs.items()})
+    cpu.records.orphans = [replace(job) for job in state.orphans]
+    del cpu.misuses[state.misuses :]

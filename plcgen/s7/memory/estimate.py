@@ -1,0 +1,147 @@
+"""The estimate of a whole program: every block with its bytes of code and data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.s7.layout.layout import layout_block
+from plcgen.s7.layout.shapes import TypeTable
+from plcgen.s7.memory import costs
+from plcgen.s7.memory.code import CodeSize
+from plcgen.s7.memory.names import BlockNames
+from plcgen.s7.read.blocks import SourceBlock, Sources, read_sources
+from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.types.blocks import Block, BlockKind
+
+_CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
+_ONLY_COMMENT = ("//", "(*")
+
+
+@dataclass(frozen=True, slots=True)
+class BlockSize:
+    """One block: bytes of code and of data in the work memory, both with the block's header.
+
+    ``lines`` are the lines of its text, ``code_lines`` those of its statements, without empty lines and comments.
+    """
+
+    kind: str
+    name: str
+    number: int | None
+    code: int
+    data: int
+    lines: int = 0
+    code_lines: int = 0
+
+    @property
+    def total(self) -> int:
+        """Bytes of the block."""
+        return self.code + self.data
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """Sizes of all blocks of a program, in the order of its files.
+
+    ``coarse`` says that the rules were made for another family. ``diagnostics`` tell what could not be read or laid
+    out: it is not counted.
+    """
+
+    blocks: tuple[BlockSize, ...]
+    coarse: bool
+    diagnostics: tuple[Diagnostic, ...] = ()
+
+    @property
+    def code(self) -> int:
+        """Bytes of code."""
+        return sum(block.code for block in self.blocks)
+
+    @property
+    def data(self) -> int:
+        """Bytes of data blocks."""
+        return sum(block.data for block in self.blocks)
+
+    @property
+    def total(self) -> int:
+        """Bytes of everything."""
+        return self.code + self.data
+
+    @property
+    def lines(self) -> int:
+        """Lines of the text of all FBs, FCs and OBs."""
+        return sum(block.lines for block in self.blocks)
+
+    def count(self, kind: str = "") -> int:
+        """Number of blocks of a kind; without one, of all that a CPU holds: types are none."""
+        return sum(block.kind == kind if kind else block.kind != BlockKind.UDT for block in self.blocks)
+
+    def summary(self) -> dict[str, int | bool]:
+        """The figures for programs."""
+        kinds = {f"{kind.lower()}s": self.count(kind) for kind in ("FB", "FC", "OB", "DB")}
+        return {
+            "lines": self.lines,
+            **kinds,
+            "code": self.code,
+            "data": self.data,
+            "total": self.total,
+            "coarse": self.coarse,
+        }
+
+
+def estimate(what: Path | str | Sources, dialect: Dialect) -> Estimate:
+    """Estimate the work memory of a program for the S7-300/400; for the S7-1200/1500 the result is coarse.
+
+    ``what`` is a folder or file, or sources that are read already.
+    """
+    classic = dialect.classic
+    sources = what if isinstance(what, Sources) else read_sources([Path(what)], classic=classic)
+    blocks = {source.block.name.upper(): source.block for source in sources.blocks}
+    found: list[BlockSize] = []
+    problems = list(sources.diagnostics)
+    for source in sources.blocks:
+        if source.block.kind in _CODE:
+            names = BlockNames(source, blocks, sources.types, classic=classic)
+            found.append(_code_size(source, names, problems))
+        else:
+            found.append(_data_size(source.block, sources.types, problems))
+    return Estimate(tuple(found), not classic, tuple(problems))
+
+
+def _code_size(source: SourceBlock, names: BlockNames, problems: list[Diagnostic]) -> BlockSize:
+    block = source.block
+    body = source.unit.statements if source.unit is not None else ()
+    lines, code_lines = _line_counts(source)
+    size = 0
+    try:
+        size = costs.HEADER + CodeSize(names).block(body)
+    except RecursionError:
+        problems.append(Diagnostic("PG802", f"{block.name} is nested too deeply", block.span or Span(source.file)))
+    return BlockSize(block.kind.value, block.name, block.number, size, 0, lines, code_lines)
+
+
+def _data_size(block: Block, types: TypeTable, problems: list[Diagnostic]) -> BlockSize:
+    size = 0
+    if block.kind is BlockKind.DB:
+        try:
+            size = costs.HEADER + layout_block(block, types).size
+        except DiagnosticError as problem:
+            problems.extend(problem.diagnostics)
+    return BlockSize(block.kind.value, block.name, block.number, 0, size)
+
+
+def _line_counts(source: SourceBlock) -> tuple[int, int]:
+    """Lines of a block's text, and lines of it on which a statement stands."""
+    if source.unit is None or source.parsed is None:
+        return 0, 0
+    text = source.parsed.tokens.source
+    start, end = source.unit.code
+    code = text[start:end] if start >= 0 else ""
+    lines = text.count("\n", source.unit.start, source.unit.end) + 1
+    return lines, sum(1 for _ in _statement_lines(code.splitlines()))
+
+
+def _statement_lines(lines: Iterable[str]) -> Iterable[str]:
+    stripped = (line.strip() for line in lines)
+    return (line for line in stripped if line and not line.startswith(_ONLY_COMMENT))

@@ -1,0 +1,263 @@
+"""S7 constants: text to value to bytes, and back to the canonical spelling of a tool chain."""
+
+from __future__ import annotations
+
+import datetime as dt
+import math
+import re
+
+from plcgen.base.diagnostics import PlcgenError
+from plcgen.s7.types import durations
+from plcgen.s7.types.address import parse_pointer
+from plcgen.s7.types.data_types import ALIASES, ELEMENTARY, Elementary, StringType, elementary
+from plcgen.s7.types.spelling import rounded_single, spell
+from plcgen.s7.types.values import BIT_STRINGS, NUMBERS, RANGES, SIGNED, UNSIGNED, Value, pack_value
+
+_SHORT = {
+    "B": "BYTE", "W": "WORD", "DW": "DWORD", "LW": "LWORD", "I": "INT", "L": "DINT",
+    "T": "TIME", "S5T": "S5TIME", "LT": "LTIME", "D": "DATE", **ALIASES,
+}  # fmt: skip
+_TYPED = re.compile(r"([A-Za-z][A-Za-z0-9_]*)#(.*)", re.DOTALL)
+_BASED = re.compile(r"(2|8|16)#([0-9A-Fa-f_]+)")
+_DECIMAL = re.compile(r"[+-]?\d[\d_]*", re.ASCII)
+_REAL = re.compile(r"[+-]?\d[\d_]*(?:\.\d[\d_]*)?(?:[eE][+-]?\d+)?", re.ASCII)
+_BYTES = re.compile(r"\(\s*(\d+(?:\s*,\s*\d+)*)\s*\)", re.ASCII)
+_WITHIN = re.compile(r"P#\s*(\d{1,5})\.([0-7])", re.IGNORECASE | re.ASCII)
+"""A pointer inside an area: bits 3..18 are the byte, 0..2 the bit."""
+_PLACE = {
+    "TIMER": re.compile(r"T\s*(\d{1,5})", re.IGNORECASE | re.ASCII),
+    "COUNTER": re.compile(r"[CZ]\s*(\d{1,5})", re.IGNORECASE | re.ASCII),
+    **{
+        name: re.compile(rf"{name.removeprefix('BLOCK_')}\s*(\d{{1,5}})", re.IGNORECASE | re.ASCII)
+        for name in NUMBERS
+        if name.startswith("BLOCK_")
+    },
+}
+"""A timer, counter or block by its number: ``T 5``, ``Z 5`` of German STEP 7, ``FB 12`` as TIA Portal exports it."""
+_ESCAPE = re.compile(r"\$(?:([$'\"LNPRT])|([0-9A-F]{4})|([0-9A-F]{2})|(.?))", re.IGNORECASE | re.DOTALL)
+_CONTROL = {"L": "\n", "N": "\r\n", "P": "\f", "R": "\r", "T": "\t"}
+_TEXT = frozenset({"CHAR", "WCHAR"})
+_INTEGERS = SIGNED | UNSIGNED | NUMBERS
+
+
+class LiteralError(PlcgenError, ValueError):
+    """A text that is no constant of the wanted type; ``reason`` says why."""
+
+    def __init__(self, text: str, type_name: str, reason: str) -> None:
+        self.text = text
+        self.type_name = type_name
+        self.reason = reason
+        super().__init__(f"{text} is not a valid {type_name} constant: {reason}")
+
+
+def as_type(type_: Elementary | StringType | str) -> Elementary | StringType:
+    """Resolve a type name; ``STRING`` and ``WSTRING`` have 254 characters. Raises KeyError if unknown."""
+    if not isinstance(type_, str):
+        return type_
+    if type_.upper() in ("STRING", "WSTRING"):
+        return StringType(type_.upper(), 254)
+    found = elementary(type_)
+    if found is None:
+        raise KeyError(type_)
+    return found
+
+
+def parse_literal(text: str, type_: Elementary | StringType | str) -> Value:
+    """Value of a constant as ``values`` describes it. Raises LiteralError with a reason."""
+    wanted = as_type(type_)
+    try:
+        value = _parse(text.strip(), wanted)
+        pack_value(value, wanted)
+    except (ValueError, OverflowError) as error:
+        reason = error.reason if isinstance(error, LiteralError) else str(error)
+        raise LiteralError(text, wanted.name, reason) from None
+    if wanted.name == "REAL" and isinstance(value, float):
+        return rounded_single(value)
+    if wanted.name == "S5TIME" and isinstance(value, int):
+        return durations.from_s5time(durations.to_s5time(value))
+    return value
+
+
+def pack_literal(text: str, type_: Elementary | StringType | str) -> bytes:
+    """Big-endian bytes of a constant (BOOL: one byte 00 or 01). Raises LiteralError with a reason."""
+    wanted = as_type(type_)
+    return pack_value(parse_literal(text, wanted), wanted)
+
+
+def _parse(text: str, type_: Elementary | StringType) -> Value:
+    name = type_.name
+    prefix, body = _prefix(text)
+    if isinstance(type_, StringType):
+        _expect(prefix, {"", "STRING", name})
+        return _unquote(body, wide=name == "WSTRING")
+    if name in ("ANY", "POINTER"):
+        return None if body.upper() in ("NIL", "NULL") else parse_pointer(text)
+    if name == "BOOL":
+        _expect(prefix, {"", "BOOL"})
+        return _bool(body)
+    if name in BIT_STRINGS or name in _INTEGERS:
+        return _whole(prefix, body, name)
+    if name in ("REAL", "LREAL"):
+        _expect(prefix, {"", "REAL", name})
+        return _real(body)
+    if name in _TEXT:
+        _expect(prefix, {"", "CHAR", name})
+        return _unquote(body, wide=name == "WCHAR")
+    # S7-SCL converts a TIME constant where S5TIME is wanted: TV := T#5s
+    _expect(prefix, {name, "TIME"} if name == "S5TIME" else {name})
+    return _time(body, name)
+
+
+def _prefix(text: str) -> tuple[str, str]:
+    """Canonical type name and the rest; no name for ``16#..`` and plain text."""
+    match = None if text[:1] in ("'", '"') else _TYPED.fullmatch(text)
+    if match is None:
+        return "", text
+    upper = match[1].upper()
+    return _SHORT.get(upper, upper), match[2]
+
+
+def _expect(prefix: str, allowed: set[str]) -> None:
+    if prefix in allowed:
+        return
+    wanted = " or ".join(sorted(f"{name}#" for name in allowed if name))
+    if prefix:
+        raise ValueError(f"{prefix}# does not fit this type")
+    raise ValueError(f"it needs the prefix {wanted}")
+
+
+def _bool(body: str) -> bool:
+    upper = body.upper()
+    if upper in ("TRUE", "FALSE"):
+        return upper == "TRUE"
+    if _DECIMAL.fullmatch(body) or _BASED.fullmatch(body):
+        value, _ = _number(body)
+        if value in (0, 1):
+            return value == 1
+    raise ValueError("TRUE, FALSE, 1 or 0")
+
+
+def _whole(prefix: str, body: str, name: str) -> int:
+    place = _PLACE[name].fullmatch(body) if name in _PLACE else None
+    if place is not None:
+        return int(place[1])
+    if prefix == "C" and name == "WORD":
+        return _counter(body)
+    within = _WITHIN.fullmatch(f"P#{body}") if prefix == "P" and name == "DWORD" else None
+    if within is not None and int(within[1]) < 1 << 16:
+        return int(within[1]) << 3 | int(within[2])
+    if prefix in _TEXT and name in BIT_STRINGS:
+        return ord(_unquote(body, wide=False))
+    if prefix:
+        _widening(prefix, name)
+    tuple_ = _BYTES.fullmatch(body) if prefix == "BYTE" else None
+    bits = ELEMENTARY[name].bits
+    if tuple_ is not None:
+        parts = [int(part) for part in tuple_[1].split(",")]
+        if len(parts) * 8 != bits or max(parts) > 255:
+            raise ValueError(f"{bits // 8} bytes from 0 to 255")
+        return int.from_bytes(bytes(parts))
+    value, plain = _number(body)
+    low, high = RANGES[prefix if prefix in RANGES else name]
+    if name in BIT_STRINGS and plain and not prefix:
+        low = -(1 << bits - 1)
+    if not low <= value <= high:
+        raise ValueError(f"outside {low}..{high}")
+    return value & (1 << bits) - 1 if name in BIT_STRINGS else value
+
+
+def _widening(prefix: str, name: str) -> None:
+    """Refuse a typed constant unless the type is its own or a wider one of its family."""
+    if prefix == name:
+        return
+    for family in (BIT_STRINGS, SIGNED | UNSIGNED):
+        if prefix in family and name in family:
+            low, high = RANGES[name]
+            own_low, own_high = RANGES[prefix]
+            if low <= own_low and own_high <= high:
+                return
+    if prefix in ("INT", "UINT", "WORD") and name in NUMBERS:
+        return
+    raise ValueError(f"{prefix}# does not fit this type")
+
+
+def _number(body: str) -> tuple[int, bool]:
+    """Value and whether it is written in plain decimal."""
+    if _DECIMAL.fullmatch(body):
+        return int(body.replace("_", "")), True
+    match = _BASED.fullmatch(body)
+    if match is None:
+        raise ValueError("not a whole number")
+    return int(match[2].replace("_", "") or "x", int(match[1])), False
+
+
+def _counter(body: str) -> int:
+    if not (body.isascii() and body.isdecimal()) or int(body) > 999:
+        raise ValueError("C# counts from 0 to 999")
+    return durations.to_bcd(int(body))
+
+
+def _real(body: str) -> float:
+    if _REAL.fullmatch(body) is None:
+        raise ValueError("a real number looks like 10.0 or 1.0E+1")
+    value = float(body.replace("_", ""))
+    if math.isinf(value):
+        raise ValueError("too large")
+    return value
+
+
+def _time(body: str, name: str) -> Value:
+    if name in ("TIME", "S5TIME", "LTIME"):
+        return _ticks(durations.parse_duration(body), name)
+    if name == "DATE":
+        return durations.parse_date(body)
+    if name in ("TIME_OF_DAY", "LTIME_OF_DAY"):
+        return _ticks(durations.parse_clock(body, 9 if name[0] == "L" else 3), name)
+    date, clock = durations.parse_moment(body, 3 if name == "DATE_AND_TIME" else 9)
+    if name == "DATE_AND_TIME":
+        start = dt.datetime.combine(date, dt.time())
+        return start + dt.timedelta(microseconds=clock // 1000)
+    return durations.since_epoch(date, clock)
+
+
+def _ticks(nanoseconds: int, name: str) -> int:
+    if name.startswith("L"):
+        return nanoseconds
+    milliseconds, rest = divmod(nanoseconds, durations.NS_PER_MS)
+    if rest:
+        raise ValueError("the resolution is 1 ms")
+    return milliseconds
+
+
+def _unquote(body: str, *, wide: bool) -> str:
+    if len(body) < 2 or body[0] != "'" or body[-1] != "'":
+        raise ValueError("a text must be in single quotes")
+    inner = body[1:-1]
+    if re.search(r"(?<!\$)(?:\$\$)*'", inner) or re.search(r"(?<!\$)(?:\$\$)*\$$", inner):
+        raise ValueError("a quote inside a text is written $'")
+
+    def escape(match: re.Match[str]) -> str:
+        special, four, two, other = match.groups()
+        if special:
+            return _CONTROL.get(special.upper(), special)
+        if four and wide:
+            return chr(int(four, 16))
+        if (two or four) and not wide:
+            digits = two or four[:2]
+            return chr(int(digits, 16)) + (four[2:] if four else "")
+        raise ValueError(f"${other or two} is no escape")
+
+    return _ESCAPE.sub(escape, inner)
+
+
+def format_literal(value: Value, type_name: str, dialect_v5: bool = False) -> str:  # noqa: FBT001, FBT002 - fixed signature
+    """Spell a value canonically: STEP 7 V5 with ``B#16#``, ``L#``; TIA Portal with ``16#``, plain numbers.
+
+    Inverse of :func:`parse_literal`. Raises LiteralError for values without a literal.
+    """
+    type_ = as_type(type_name)
+    try:
+        pack_value(value, type_)
+        return spell(value, type_, v5=dialect_v5)
+    except (ValueError, OverflowError) as error:
+        raise LiteralError(repr(value), type_.name, str(error)) from None

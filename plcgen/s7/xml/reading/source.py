@@ -1,0 +1,218 @@
+"""A block as a text source of the TIA Portal: the way back from the block model, laid out as the generator does it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+from plcgen.s7.types.blocks import Assignment, Block, BlockKind, Section, SectionKind, is_retentive
+from plcgen.s7.types.data_types import ArrayType, Member, StructType, innermost
+from plcgen.s7.types.names import is_identifier
+from plcgen.s7.xml.datatypes import BREAKS, datatype, declared_name, default_literal
+from plcgen.s7.xml.writing.documents import INSTRUCTION, LIBRARY_VERSION, SEEN_BY_OPC_UA, library_element
+from plcgen.s7.xml.writing.starts import Path, Starts, single_values
+
+SUFFIXES = MappingProxyType(
+    {BlockKind.UDT: ".udt", BlockKind.DB: ".db", BlockKind.FB: ".scl", BlockKind.FC: ".scl", BlockKind.OB: ".scl"}
+)
+"""File name ending of a source by kind of block."""
+
+KEYWORDS = {
+    BlockKind.UDT: "TYPE", BlockKind.DB: "DATA_BLOCK", BlockKind.FB: "FUNCTION_BLOCK", BlockKind.FC: "FUNCTION",
+    BlockKind.OB: "ORGANIZATION_BLOCK",
+}  # fmt: skip
+"""Keyword that opens a source by kind of block."""
+
+_SECTIONS = {
+    SectionKind.INPUT: "VAR_INPUT", SectionKind.OUTPUT: "VAR_OUTPUT", SectionKind.IN_OUT: "VAR_IN_OUT",
+    SectionKind.STATIC: "VAR", SectionKind.TEMP: "VAR_TEMP", SectionKind.CONSTANT: "VAR CONSTANT",
+}  # fmt: skip
+_LIBRARY = (INSTRUCTION, LIBRARY_VERSION)
+_PROPERTIES = ("AUTHOR", "FAMILY", "NAME", "VERSION")
+_DEFAULT_VERSION = "0.1"
+_NUMBER = re.compile(r"[0-9]+\.[0-9]+", re.ASCII)
+
+
+def source(block: Block, types: Mapping[str, Block] | None = None) -> str:
+    """Text of a source with one block; its lines end in LF.
+
+    ``types`` are the known blocks by upper-case name: an instance DB has the access of its function block, and
+    only the start values in which it differs from it.
+    """
+    of = (types or {}).get((block.instance_of or "").upper())
+    if of is not None and block.optimized is None and of.kind is BlockKind.FB:
+        block = replace(block, optimized=of.optimized)
+    keyword = KEYWORDS[block.kind]
+    lines = [f"{keyword} {quoted(block.name)}{_result(block)}", *_header(block)]
+    if block.kind is BlockKind.UDT:
+        lines += ["  STRUCT", *_members(block.section(SectionKind.STATIC), 4), "  END_STRUCT;"]
+    elif block.kind is BlockKind.DB:
+        lines += _data(block, of)
+    else:
+        lines += _code(block)
+    return "\n".join([*lines, f"END_{keyword}", ""])
+
+
+def is_array_db(block: Block) -> bool:
+    """Whether a data block is one array and nothing else."""
+    members = block.members if block.kind is BlockKind.DB else ()
+    return len(members) == 1 and members[0].name == "THIS" and isinstance(members[0].type, ArrayType)
+
+
+def quoted(name: str) -> str:
+    """A block name in quotes, on one line."""
+    return '"' + BREAKS.sub(" ", name).replace('"', "_") + '"'
+
+
+def _value(text: str) -> str:
+    """Value of an attribute: nothing in it ends or escapes its quotes."""
+    return _one_line(text).replace("'", "_").replace("$", "_")
+
+
+def _one_line(text: str) -> str:
+    return BREAKS.sub(" ", text).strip()
+
+
+def _result(block: Block) -> str:
+    if block.kind is not BlockKind.FC:
+        return ""
+    found = block.section(SectionKind.RETURN)
+    return f" : {datatype(found[0].type) if found else 'Void'}"
+
+
+def _header(block: Block) -> list[str]:
+    lines = [f"TITLE = {_one_line(block.title)}"] if block.title else []
+    pairs = [f"{name} := '{_value(block.attributes[name])}'" for name in _LIBRARY if name in block.attributes]
+    if block.optimized is not None and block.kind is not BlockKind.UDT:
+        pairs.append(f"S7_Optimized_Access := '{str(block.optimized).upper()}'")
+    if block.kind is BlockKind.DB and block.attributes.get(SEEN_BY_OPC_UA, "").lower() == "false":
+        pairs.append("DB_Accessible_From_OPC_UA := 'FALSE'")
+    if pairs:
+        lines.append(f"{{ {'; '.join(pairs)} }}")
+    for name in _PROPERTIES:
+        value = block.attributes.get(name) or (_DEFAULT_VERSION if name == "VERSION" else "")
+        if value:
+            plain = is_identifier(value) or (name == "VERSION" and _NUMBER.fullmatch(value))
+            lines.append(f"{name} : {value}" if plain else f"{name} : '{_value(value)}'")
+    if block.kind is BlockKind.DB and block.non_retain and not is_retentive(block):
+        lines.append("NON_RETAIN")
+    lines += [f"// {line}".rstrip() for line in block.comment.splitlines()]
+    return lines
+
+
+# --- code blocks -----------------------------------------------------------------------------------------
+
+
+def _code(block: Block) -> Iterator[str]:
+    sections = [s for s in block.sections if s.members and s.kind in _SECTIONS]
+    if block.comment or not sections:
+        yield ""
+    for section in sections:
+        yield f"{_SECTIONS[section.kind]} {section.retain}".rstrip()
+        yield from _members(section.members, 2)
+        yield "END_VAR"
+        yield ""
+    yield "BEGIN"
+    if block.code:
+        yield block.code
+
+
+# --- members ---------------------------------------------------------------------------------------------
+
+
+def _members(members: Sequence[Member], indent: int) -> Iterator[str]:
+    for member in members:
+        yield from _member(member, indent)
+
+
+def _member(member: Member, indent: int) -> Iterator[str]:
+    pad = " " * indent
+    pairs = "; ".join(f"{name} := '{_value(value)}'" for name, value in member.attributes)
+    attributes = f" {{{pairs}}}" if pairs else ""
+    at = f" AT {declared_name(member.at)}" if member.at else ""
+    comment = f"  // {_one_line(member.comment)}" if member.comment else ""
+    head = f"{pad}{declared_name(member.name)}{attributes}{at} : "
+    inner = innermost(member.type)
+    if isinstance(inner, StructType):
+        dimensions = datatype(member.type).removesuffix("Struct")
+        yield f"{head}{dimensions}STRUCT{comment}"
+        yield from _members(inner.members, indent + 2)
+        yield f"{pad}END_STRUCT;"
+        return
+    start = f" := {_one_line(member.start)}" if member.start is not None else ""
+    yield f"{head}{datatype(member.type)}{start};{comment}"
+
+
+# --- data blocks -----------------------------------------------------------------------------------------
+
+
+def _data(block: Block, of: Block | None) -> Iterator[str]:
+    if block.instance_of:
+        yield block.instance_of if of is None and library_element(block) else quoted(block.instance_of)
+        yield "BEGIN"
+        yield from _differences(block, of)
+        return
+    if is_array_db(block):
+        yield f"  {datatype(block.members[0].type)};"
+        yield ""
+        yield "BEGIN"
+        return
+    assigned: list[Assignment] = []
+    groups = [replace(s, members=tuple(_bare(m, (), assigned) for m in s.members)) for s in block.sections]
+    yield from _body(groups, whole=is_retentive(block))
+    yield ""
+    yield "BEGIN"
+    for assignment in (*assigned, *block.assignments):
+        yield f"  {_one_line(assignment.path)} := {_one_line(assignment.literal)};"
+
+
+def _body(groups: Sequence[Section], *, whole: bool) -> Iterator[str]:
+    """Members; in sections if only some of them are retentive, which else the header says."""
+    if {group.retain for group in groups if group.members} <= {""} or whole:
+        yield "  STRUCT"
+        for group in groups:
+            yield from _members(group.members, 4)
+        yield "  END_STRUCT;"
+        return
+    for group in groups:
+        yield f"  VAR {group.retain}".rstrip()
+        yield from _members(group.members, 4)
+        yield "  END_VAR"
+
+
+def _bare(member: Member, path: Path, assigned: list[Assignment]) -> Member:
+    """A member whose array values stand behind BEGIN instead, one line each."""
+    here = (*path, declared_name(member.name))
+    if isinstance(member.type, StructType):
+        inner = tuple(_bare(m, here, assigned) for m in member.type.members)
+        return replace(member, type=StructType(inner))
+    if not isinstance(member.type, ArrayType) or member.start is None:
+        return member
+    starts = Starts()
+    starts.declare(member, (member.name.upper(),))
+    values = starts.of((member.name.upper(),))
+    if starts.lost or not values or any(";" in index for index in values):
+        return member
+    default = default_literal(member.type.element)
+    name = ".".join(here)
+    assigned += [Assignment(f"{name}[{index}]", text) for index, text in values.items() if text != default]
+    return replace(member, start=None)
+
+
+def _differences(block: Block, of: Block | None) -> Iterator[str]:
+    """Start values of an instance DB that its function block has otherwise."""
+    declared = _values(of) if of is not None else {}
+    for key, (path, literal) in _values(block).items():
+        if declared.get(key, ("", ""))[1] != literal:
+            yield f"  {path} := {literal};"
+
+
+def _values(block: Block) -> dict[str, tuple[str, str]]:
+    """Start values one by one with their paths, by path without quotes and case; assigned ones replace others."""
+    members = (m for s in block.sections if s.kind is not SectionKind.CONSTANT for m in s.members)
+    singles = single_values(members)
+    found = [(".".join(declared_name(name) + index for name, index in way), value) for way, value in singles]
+    found += [(_one_line(assignment.path), assignment.literal) for assignment in block.assignments]
+    return {path.replace('"', "").upper(): (path, _one_line(literal)) for path, literal in found}
