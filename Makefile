@@ -33,27 +33,27 @@ hostile: $(READY)
 	PLCGEN_HOSTILE=1 $(BIN)/python -m pytest -q tests/test_every_text.py
 
 bench: $(READY)
-	$(BIN)/python -m bench
+	$(BIN)/python -m tests.bench
 
 # Specs in which every possible pair of values of every two keys occurs: each works, or is refused for the reason that is known.
 pairs: $(READY)
-	PYTHONPATH=tests $(BIN)/python -m pairs --effort $(or $(EFFORT),none)
+	$(BIN)/python -m tests.pairs --effort $(or $(EFFORT),none)
 
 # Proves every engine there is, for every target in every size, and records it: after a change of its templates.
 engine: $(READY)
 	@rm -rf .engine && mkdir .engine
-	$(BIN)/python tests/ds47/engine_folders.py .engine > .engine/list
+	$(BIN)/python -m tests.ds47.engine_folders .engine > .engine/list
 	$(BIN)/python -m plcgen.ds47.proof.engine $(EFFORT) `grep S$$ .engine/list` `grep -v S$$ .engine/list`
 
 mutate: $(READY)
-	$(BIN)/python -m mutation
+	$(BIN)/python -m tests.mutation
 
 deletions: $(READY)
-	$(BIN)/python -m mutation --deletions
+	$(BIN)/python -m tests.mutation --deletions
 
 # Facts of the source, broken one at a time.
 beliefs: $(READY)
-	$(BIN)/python -m mutation.beliefs
+	$(BIN)/python -m tests.mutation.beliefs
 
 # Every damage to what people read: titles, comments, guides, tables, manifest.
 damages: $(READY)
@@ -87,11 +87,11 @@ docs: $(READY)
 SITE := .venv-site/bin
 site:
 	@test -x $(SITE)/mkdocs || { $(PYTHON) -m venv .venv-site && $(SITE)/pip install --quiet --disable-pip-version-check ".[site]"; }
-	NO_MKDOCS_2_WARNING=1 $(SITE)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(SITE)/mkdocs build --strict --quiet --config-file .github/mkdocs.yml
 
 # Screenshots of review pages for the documentation; needs Chromium.
 pictures: $(READY)
-	PYTHONPATH=tests $(BIN)/python tests/docs/make_pictures.py
+	$(BIN)/python -m tests.docs.make_pictures
 
 # Everything for development; what plcgen needs, what builds it, what lists its parts: all by hash.
 COMPILE = $(BIN)/pip-compile --quiet --generate-hashes --allow-unsafe --strip-extras --no-header --no-annotate \
@@ -99,10 +99,10 @@ COMPILE = $(BIN)/pip-compile --quiet --generate-hashes --allow-unsafe --strip-ex
 lock:
 	$(BIN)/pip install --quiet pip-tools
 	$(COMPILE) --extra dev -o requirements.lock pyproject.toml
-	@for name in runtime build sbom; do cp requirements.lock ci/$$name.lock; done # the versions to begin with
-	$(COMPILE) -o ci/runtime.lock pyproject.toml
-	printf 'build\nhatchling\n' | $(COMPILE) -o ci/build.lock -
-	printf 'cyclonedx-bom\n' | $(COMPILE) -o ci/sbom.lock -
+	@for name in runtime build sbom; do cp requirements.lock .ci/$$name.lock; done # the versions to begin with
+	$(COMPILE) -o .ci/runtime.lock pyproject.toml
+	printf 'build\nhatchling\n' | $(COMPILE) -o .ci/build.lock -
+	printf 'cyclonedx-bom\n' | $(COMPILE) -o .ci/sbom.lock -
 
 $(READY): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "plcgen needs Python 3.11 or newer; try make PYTHON=python3.12")'

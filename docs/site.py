@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGES = {
     "README.md": "index.md",
     "examples/README.md": "examples.md",
-    **{name: name for name in ("CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md")},
+    "CHANGELOG.md": "CHANGELOG.md",
 }
 """Where the pages outside ``docs`` stand in the site."""
 FOLDERS = {"docs/adr": "docs/architecture.md", "docs/codes": "docs/codes/README.md", "specs/devices": "docs/devices.md"}

@@ -6,10 +6,9 @@ import re
 from functools import cache
 from pathlib import Path
 
-from yaml_files import read_yaml
-
 from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.types.data_types import ArrayType, DataType, Member, NamedType, StringType, StructType, elementary
+from tests.yaml_files import read_yaml
 
 VECTORS = Path(__file__).parent / "vectors" / "layouts.yaml"
 

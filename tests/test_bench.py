@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from bench import cpu_speed, scl_speed
+from tests.bench import cpu_speed, scl_speed
 
 
 @pytest.fixture(autouse=True)

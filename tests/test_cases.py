@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from yaml_files import read_yaml
 
 from plcgen import api
 from plcgen.base.diagnostics import Diagnostic, Span
+from tests.yaml_files import read_yaml
 
 CASES = Path(__file__).parent / "cases"
 FILES = sorted(CASES.glob("PG[1-4]??.yaml"))

@@ -16,7 +16,6 @@ from pathlib import Path
 import click
 import pytest
 from click.testing import CliRunner
-from ds47.live.servers import DriveServer, free_port, running
 
 from plcgen.base.diagnostics import pages
 from plcgen.base.diagnostics.codes import CodeInfo, all_codes, code
@@ -25,6 +24,7 @@ from plcgen.cli.main import cli, run
 from plcgen.ppi.sim import Bus, Station
 from plcgen.ppi.sim.cpu import Switch
 from plcgen.ppi.sim.serve import Serving
+from tests.ds47.live.servers import DriveServer, free_port, running
 
 SPEC = """\
 plc: {{name: Press 4, family: s7-300, toolchain: step7-v5}}

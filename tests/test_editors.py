@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-import yaml_server
-from projects import ROOT, SPECS
 
 from plcgen.api.schemas import SCHEMAS
 from plcgen.cli.schema import KINDS
+from tests import yaml_server
+from tests.projects import ROOT, SPECS
 
 pytestmark = pytest.mark.slow
 

@@ -11,8 +11,6 @@ import unicodedata
 from collections.abc import Callable, Iterator
 from itertools import cycle
 
-from schema_walk import Place, Walk
-
 from plcgen import api
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Report
 from plcgen.base.files.validation import load_document
@@ -20,6 +18,7 @@ from plcgen.ds47.profile import PROFILE
 from plcgen.ds47.sim.load import load_drive
 from plcgen.ppi.sim.load import load_bus
 from plcgen.project.loading import parse_spec
+from tests.schema_walk import Place, Walk
 
 HOSTILE = "PLCGEN_HOSTILE" in os.environ
 CHARACTERS = [

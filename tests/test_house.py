@@ -8,7 +8,7 @@ from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
-from projects import ROOT
+from tests.projects import ROOT
 
 PACKAGE = ROOT / "plcgen"
 

@@ -7,13 +7,13 @@ import weakref
 from pathlib import Path
 
 import pytest
-from projects import FAQ, ROOT
 
 import plcgen
 from plcgen.build.rendering import render_project
 from plcgen.project.nouns import Plan, Project
 from plcgen.s7.scl import ast
 from plcgen.s7.types.blocks import Block
+from tests.projects import FAQ, ROOT
 
 SPECS = [FAQ, ROOT / "specs" / "s7-1200_s7-200_ppi.yaml"]
 

@@ -6,9 +6,9 @@ import subprocess
 import sys
 
 import pytest
-from projects import ROOT
 
 from plcgen._moved import MOVED
+from tests.projects import ROOT
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,6 @@ from collections.abc import Callable
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 import pytest
-from projects import FAQ
 
 from plcgen import api
 from plcgen.base.diagnostics import DiagnosticError
@@ -23,6 +22,7 @@ from plcgen.base.programs import candidates, find_program
 from plcgen.build.environment import RenderedFile
 from plcgen.build.writing import add_files
 from plcgen.report.review.revision import _of_interest
+from tests.projects import FAQ
 
 # What Python 3.13 offers in its place does not exist in 3.11.
 pytestmark = pytest.mark.filterwarnings(r"ignore:pathlib\.PurePath\.is_reserved:DeprecationWarning")

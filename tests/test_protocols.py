@@ -7,7 +7,6 @@ import shutil
 from pathlib import Path
 
 import pytest
-from projects import ROOT, SPECS
 
 import plcgen
 from plcgen import api
@@ -15,6 +14,7 @@ from plcgen.base.diagnostics import PluginError
 from plcgen.project.nouns import Plan
 from plcgen.project.registry import SHIPPED, protocols
 from plcgen.protocol.base import Protocol
+from tests.projects import ROOT, SPECS
 
 SPEC = """
 plc: {name: Toys, family: FAMILY, toolchain: TOOLCHAIN}

@@ -6,7 +6,6 @@ import re
 from pathlib import Path
 
 import pytest
-from work import calls_of
 
 from plcgen import api
 from plcgen.base.diagnostics import Diagnostic, Report
@@ -15,6 +14,7 @@ from plcgen.project.loading import parse_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
 from plcgen.project.rules import apply_rules
+from tests.work import calls_of
 
 PLC = "plc: {name: a, family: s7-300, toolchain: tia-v16}\n"
 DRIVE = "drives: {d: {device: sinamics-dcm, address: 256}}\n"

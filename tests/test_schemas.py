@@ -14,7 +14,6 @@ import pytest
 import yaml
 from click.testing import CliRunner
 from jsonschema import Draft202012Validator
-from projects import FAQ, ROOT, generated_example
 
 from plcgen import api
 from plcgen.api.schemas import SCHEMAS
@@ -28,6 +27,7 @@ from plcgen.ppi.sim.load import load_bus
 from plcgen.report.diff.lockread import read_lock
 from plcgen.report.registry import output_format
 from plcgen.s7.compare.policyfile import load_policy
+from tests.projects import FAQ, ROOT, generated_example
 
 
 @cache

@@ -9,7 +9,8 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from projects import ROOT
+
+from tests.projects import ROOT
 
 
 @pytest.fixture(scope="module")

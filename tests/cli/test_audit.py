@@ -4,9 +4,10 @@ import json
 import shutil
 
 import pytest
-from projects import FAQ, ROOT
 
-SOURCES = ROOT / "tests" / "inspection" / "audit" / "faq"
+from tests.projects import FAQ, ROOT
+
+SOURCES = ROOT / "tests" / "audit" / "faq"
 
 
 @pytest.fixture

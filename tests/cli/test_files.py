@@ -12,12 +12,12 @@ from pathlib import Path
 
 import click
 import pytest
-from projects import ROOT
 
 from plcgen.build.environment import RenderedFile
 from plcgen.build.staging import STAGE
 from plcgen.cli.main import cli
 from plcgen.report import registry
+from tests.projects import ROOT
 
 DB = 'DATA_BLOCK "B"\nSTRUCT\n  a : Int;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
 WRITES = {

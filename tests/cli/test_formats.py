@@ -7,11 +7,11 @@ import sys
 from pathlib import Path
 
 import pytest
-from projects import FAQ, ROOT
 
 from plcgen.base.diagnostics import PluginError
 from plcgen.base.display.view import PLAIN
 from plcgen.report import formats, registry
+from tests.projects import FAQ, ROOT
 
 TOY = '''"""A format of somebody else: counts."""
 

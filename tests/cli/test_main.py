@@ -8,11 +8,11 @@ import sys
 
 import click
 import pytest
-from projects import FAQ, ROOT
 
 from plcgen import __version__
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.cli import main, output
+from tests.projects import FAQ, ROOT
 
 
 def test_a_file_without_rights_is_a_problem_of_the_file(plcgen, good, monkeypatch):

@@ -4,7 +4,6 @@ import json
 
 import pytest
 from jsonschema import Draft202012Validator
-from ppi.vectors import FRAMES
 
 from plcgen.api import schema
 from plcgen.base.line.tcp import TcpServer
@@ -13,6 +12,7 @@ from plcgen.cli.ppi.capture import Capture, capture_of
 from plcgen.ppi.sim import Bus, Station
 from plcgen.ppi.sim.fault_text import parse_fault
 from plcgen.ppi.sim.serve import Serving
+from tests.ppi.vectors import FRAMES
 
 VB100 = "68 1B 1B 68 02 00 6C 32 01 00 00 00 00 00 0E 00 00 04 01 12 0A 10 02 00 01 00 01 84 00 03 20 8B 16"
 ANSWER = "68 16 16 68 00 02 08 32 03 00 00 00 00 00 02 00 05 00 00 04 01 FF 04 00 08 22 78 16"

@@ -3,7 +3,8 @@
 import json
 
 import pytest
-from projects import FAQ, ROOT
+
+from tests.projects import FAQ, ROOT
 
 OUT = ROOT / "examples" / FAQ.stem / "expected"
 BASE = ("simulate", FAQ, "--out", OUT, "--job", "read_ramp_up")

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from projects import FAQ, ROOT
 
 from plcgen.cli import watch
 from plcgen.cli.main import run
+from tests.projects import FAQ, ROOT
 
 SPEC = (ROOT / "specs" / f"{FAQ.stem}.yaml").read_text("utf-8")
 Step = Callable[[], object]

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from docs.forks import forking
+
+from tests.docs.forks import forking
 
 
 @pytest.fixture(scope="session")

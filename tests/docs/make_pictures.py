@@ -7,12 +7,11 @@ import sys
 import tempfile
 from pathlib import Path
 
-from chromium import NAMES, picture
-from projects import ROOT
-
 from plcgen import api
 from plcgen.base.display.view import PLAIN
 from plcgen.report.registry import output_format
+from tests.chromium import NAMES, picture
+from tests.projects import ROOT
 
 PICTURES = {
     "review_faq.png": ("s7-300_6ra80_dp_tia", 1400, 3000),

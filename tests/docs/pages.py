@@ -15,8 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-_ROOT_PAGES = [ROOT / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md")]
-PAGES = [path for path in (*_ROOT_PAGES, *sorted((ROOT / "docs").rglob("*.md"))) if path.parent.name != "codes"]
+PAGES = [path for path in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))) if path.parent.name != "codes"]
 """All pages but those of the codes: their examples are the table of codes, which has tests of its own."""
 
 _BLOCK = re.compile(r"((?:^<!--.*?-->\n)*)^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from docs.pages import ROOT, Block
+from tests.docs.pages import ROOT, Block
 
 PORT_OF_THE_PAGES = "10222"
 """The pages serve at this TCP port; a test takes a free one instead."""

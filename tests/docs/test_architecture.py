@@ -10,7 +10,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from docs.pages import ROOT
+
+from tests.docs.pages import ROOT
 
 PACKAGE = ROOT / "plcgen"
 PAGE = (ROOT / "docs" / "architecture.md").read_text("utf-8")

@@ -10,7 +10,8 @@ from typing import Any
 
 import pytest
 import yaml
-from projects import FAQ, ROOT
+
+from tests.projects import FAQ, ROOT
 
 BROKEN = "plc: {name: a}\n"
 
@@ -87,7 +88,7 @@ def test_action(repository: Path) -> None:
 @pytest.mark.slow
 def test_gitlab(repository: Path) -> None:
     """The scripts run and leave the reports that the template names; without a source of plcgen it stops at once."""
-    template = read("ci/gitlab.yml")
+    template = read(".ci/gitlab.yml")
     first, _install = template[".plcgen"]["before_script"]
     assert run(first, repository, PLCGEN="").returncode == 1
     for job in ("plcgen-check", "plcgen-verify"):
@@ -100,7 +101,7 @@ def test_gitlab(repository: Path) -> None:
 def commands() -> list[str]:
     """Every command line of plcgen in the action, the template and the hooks."""
     lines = [step.get("run", "") for step in read("action.yml")["runs"]["steps"]]
-    template = read("ci/gitlab.yml")
+    template = read(".ci/gitlab.yml")
     lines += [line for job in ("plcgen-check", "plcgen-verify") for line in template[job]["script"]]
     return [line for line in [*lines, *(command for _, command in hooks())] if line.startswith("plcgen ")]
 
@@ -119,7 +120,7 @@ def test_what_counts_is_not_left_to_the_repository() -> None:
 def test_pip_is_not_taken_from_the_repository() -> None:
     """``python -m`` looks into the current folder first, which is what is judged: -I leaves it out."""
     lines = [step.get("run", "") for step in read("action.yml")["runs"]["steps"]]
-    lines += read("ci/gitlab.yml")[".plcgen"]["before_script"]
+    lines += read(".ci/gitlab.yml")[".plcgen"]["before_script"]
     installing = [line for text in lines for line in text.splitlines() if "pip" in line and line.startswith("python")]
     assert len(installing) == 3
     assert all(line.startswith("python -I -m pip ") for line in installing)
@@ -149,7 +150,7 @@ def test_docker() -> None:
         *wheel["packages"],
         *wheel["force-include"],
     }
-    assert copied == needed | {"pyproject.toml", "ci/build.lock", "ci/runtime.lock"}
+    assert copied == needed | {"pyproject.toml", ".ci/build.lock", ".ci/runtime.lock"}
     assert all((ROOT / name).exists() for name in copied)
 
 

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from docs.pages import PAGES, ROOT
+
+from tests.docs.pages import PAGES, ROOT
 
 ODD = {
     r"\bsoil(s|ed|ing)?\b": "fill with garbage",

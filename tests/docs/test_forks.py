@@ -8,7 +8,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from docs.pages import ROOT
+
+from tests.docs.pages import ROOT
 
 SCRIPTS = (
     "plcgen check job.yaml",

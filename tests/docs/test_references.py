@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 
 import pytest
-from docs.pages import PAGES, ROOT
+
+from tests.docs.pages import PAGES, ROOT
 
 _LINK = re.compile(r"\]\(([^)#\s]+)(#[^)\s]+)?\)")
 _TEST = re.compile(r"`(tests/[\w/]+\.py)(?:::(\w+))?`")
@@ -38,6 +39,6 @@ def test_tests_that_a_page_names_exist(page) -> None:
 
 def test_every_recipe_has_its_test() -> None:
     """The four recipes of CONTRIBUTING.md each name a test that follows them."""
-    recipes = dict(_RECIPE.findall((ROOT / "CONTRIBUTING.md").read_text("utf-8")))
+    recipes = dict(_RECIPE.findall((ROOT / "docs" / "CONTRIBUTING.md").read_text("utf-8")))
     assert list(recipes) == ["Add a device", "Add a kind of job", "Add a protocol", "Add an output format"]
     assert all("Test: `tests/" in recipe for recipe in recipes.values())

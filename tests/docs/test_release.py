@@ -17,11 +17,11 @@ import pytest
 import yaml
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
-from projects import ROOT
 
 from plcgen._version import __version__
+from tests.projects import ROOT
 
-FILES = ("plcgen", "templates", "specs", "docs", "ci", "pyproject.toml", "README.md", "LICENSE")
+FILES = ("plcgen", "templates", "specs", "docs", ".ci", "pyproject.toml", "README.md", "LICENSE")
 """As much of the repository as a build needs."""
 
 
@@ -92,7 +92,7 @@ def test_everything_in_the_repository_that_a_step_names_exists() -> None:
     assert all((ROOT / name).is_file() for name in re.findall(r"\S+\.lock", str(workflow())))
 
 
-PLACES = ("Makefile", "ci/release.sh", ".github/workflows/release.yml", "action.yml", "Dockerfile")
+PLACES = ("Makefile", ".ci/release.sh", ".github/workflows/release.yml", "action.yml", ".ci/Dockerfile")
 
 
 @pytest.mark.parametrize("place", PLACES)
@@ -105,7 +105,7 @@ def test_a_lock_is_installed_as_it_is(place: str) -> None:
     assert all({"--require-hashes", "--no-deps"} <= set(line.split()) for line in installations)
 
 
-@pytest.mark.parametrize("place", [".github/workflows/release.yml", "action.yml", "Dockerfile"])
+@pytest.mark.parametrize("place", [".github/workflows/release.yml", "action.yml", ".ci/Dockerfile"])
 def test_nothing_is_installed_that_has_no_hash(place: str) -> None:
     """Every package comes from a lock, or was built here and brings no other."""
     lines = (ROOT / place).read_text("utf-8").splitlines()
@@ -130,14 +130,14 @@ def locked(name: str) -> dict[str, str]:
 def test_the_small_locks_are_parts_of_the_large_one() -> None:
     """What is tried here is what is built with and installed; ``make lock`` makes all of them."""
     everything = locked("requirements.lock")
-    for name in ("ci/runtime.lock", "ci/build.lock"):
+    for name in (".ci/runtime.lock", ".ci/build.lock"):
         assert set(locked(name).items()) <= set(everything.items())
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     assert {canonicalize_name(Requirement(text).name) for text in project["dependencies"]} <= set(
-        locked("ci/runtime.lock")
+        locked(".ci/runtime.lock")
     )
-    assert {"build", "hatchling"} <= set(locked("ci/build.lock"))
-    assert "cyclonedx-bom" in locked("ci/sbom.lock")
+    assert {"build", "hatchling"} <= set(locked(".ci/build.lock"))
+    assert "cyclonedx-bom" in locked(".ci/sbom.lock")
 
 
 def test_the_lock_has_everything_that_its_packages_ask_for() -> None:

@@ -12,7 +12,8 @@ from types import ModuleType
 
 import pytest
 import yaml
-from projects import ROOT
+
+from tests.projects import ROOT
 
 
 class _Loader(yaml.SafeLoader):
@@ -20,7 +21,7 @@ class _Loader(yaml.SafeLoader):
 
 
 _Loader.add_multi_constructor("tag:yaml.org,2002:python/", lambda *_: None)
-CONFIG = yaml.load((ROOT / "mkdocs.yml").read_text("utf-8"), _Loader)  # noqa: S506 - a safe loader
+CONFIG = yaml.load((ROOT / ".github" / "mkdocs.yml").read_text("utf-8"), _Loader)  # noqa: S506 - a safe loader
 
 
 def hook() -> ModuleType:
@@ -65,7 +66,7 @@ def test_nothing_is_fetched() -> None:
         ("index.md", "[a](docs/adr/)", "[a](architecture.md)"),
         ("spec.md", "[a](../specs/devices)", "[a](devices.md)"),
         ("spec.md", "[a](../specs/s7-300_plant_v5.yaml)", "[a](specs/s7-300_plant_v5.yaml)"),
-        ("architecture.md", "[a](../CONTRIBUTING.md#style)", "[a](CONTRIBUTING.md#style)"),
+        ("index.md", "[a](docs/CONTRIBUTING.md#style)", "[a](CONTRIBUTING.md#style)"),
         ("adr/0009-one-channel-per-unit.md", "[a](../verify.md)", "[a](../verify.md)"),
         ("CHANGELOG.md", "[a](examples/s7-1500_s120_save)", "[a](examples.md)"),
         ("ci.md", "[a](https://pre-commit.com)", "[a](https://pre-commit.com)"),
@@ -82,7 +83,16 @@ def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
     program = shutil.which("mkdocs", path=f"{ROOT / '.venv-site' / 'bin'}{os.pathsep}{os.environ['PATH']}")
     if program is None:
         pytest.skip("mkdocs is not installed: make site installs it")
-    command = [program, "build", "--strict", "--quiet", "--config-file", str(ROOT / "mkdocs.yml"), "-d", str(tmp_path)]
+    command = [
+        program,
+        "build",
+        "--strict",
+        "--quiet",
+        "--config-file",
+        str(ROOT / ".github" / "mkdocs.yml"),
+        "-d",
+        str(tmp_path),
+    ]
     environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

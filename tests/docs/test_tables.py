@@ -6,12 +6,12 @@ import re
 from collections.abc import Iterator
 
 import click
-from docs.pages import PAGES, ROOT
 
 import plcgen
 from plcgen import api
 from plcgen.cli.main import cli
 from plcgen.ds47.words import CHANNEL_STATES, STATUS_WORDS, VARIANTS
+from tests.docs.pages import PAGES, ROOT
 
 _TABLE = re.compile(r"((?:^\|.*\n)+)<!-- keys: (.*) -->", re.MULTILINE)
 _KEYS = re.compile(r"`(\w+)`")

@@ -1,11 +1,11 @@
 """Bytes to telegrams and back, and every violation with its offset."""
 
 import pytest
-from ds47.vectors import REQUESTS, RESPONSES, octets, request, response
 
 from plcgen.ds47.wire import codec, formats, model
 from plcgen.ds47.wire.codec import TelegramError, decode_request, decode_response, encode_request, encode_response
 from plcgen.ds47.wire.model import ErrorBlock, ParameterAddress, Request, Response, ValueBlock
+from tests.ds47.vectors import REQUESTS, RESPONSES, octets, request, response
 
 REAL = formats.by_name("FloatingPoint")
 

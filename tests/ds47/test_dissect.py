@@ -1,9 +1,9 @@
 """Telegrams for people: every byte in one field, wrong ones marked."""
 
 import pytest
-from ds47.vectors import REQUESTS, RESPONSES, octets
 
 from plcgen.ds47.wire.dissect import dissect_request, dissect_response, looks_like
+from tests.ds47.vectors import REQUESTS, RESPONSES, octets
 
 
 def _rows(fields):

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from yaml_files import read_yaml
 
-from evidence.effects import FAMILIES, Row, classify, ranges, read_list, report, rules, table
 from plcgen import api
 from plcgen.ds47 import effects, guards
 from plcgen.ds47.devices import device_names, find_device
 from plcgen.ds47.kinds.registry import kinds
+from tests.evidence.effects import FAMILIES, Row, classify, ranges, read_list, report, rules, table
+from tests.yaml_files import read_yaml
 
 HERE = Path(__file__).parent
 DOCUMENTS: list[dict[str, Any]] = read_yaml((HERE / "effects.yaml").read_text("utf-8"))

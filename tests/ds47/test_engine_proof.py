@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from ds47 import engine_folders
 
 from plcgen.base.diagnostics import DiagnosticError
 from plcgen.ds47.proof.engine.__main__ import dialect_of
@@ -28,6 +27,7 @@ from plcgen.s7.cpu.linkage import Probe
 from plcgen.s7.read.generated import generated_sources
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.scl.logic import DECIDES
+from tests.ds47 import engine_folders
 
 THREE = READ_SPLIT.letters[0]
 REQUEST = bytes.fromhex("07 01 02 03") + bytes(18)

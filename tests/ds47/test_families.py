@@ -1,7 +1,7 @@
 """What runs on an S7-1200 and an S7-400: the text of the S7-1500 and the S7-300, whose blocks the proof runs.
 
 The soft CPU knows three dialects of SCL, not four families; tests/ds47/proof runs every kind of job in all of them.
-Integers of 64 bits, which an S7-1200 has no type for, are in tests/documents/test_goldens.py.
+Integers of 64 bits, which an S7-1200 has no type for, are in tests/build/test_goldens.py.
 """
 
 from __future__ import annotations

@@ -3,11 +3,11 @@
 import math
 
 import pytest
-from ds47.vectors import tables
 
 from plcgen.ds47.wire import formats
 from plcgen.ds47.wire.formats import FormatValueError, by_code, by_name, find, pack_values, unpack_values
 from plcgen.ds47.wire.model import ValueBlock
+from tests.ds47.vectors import tables
 
 ROWS = tables()["formats"]["values"]
 

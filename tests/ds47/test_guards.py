@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from yaml_files import read_yaml
 
 from plcgen import api
 from plcgen.ds47.devices import device_names, find_device
 from plcgen.ds47.plan.nouns import DrivePlan
 from plcgen.ds47.sim.bench import build_drive
 from plcgen.ds47.sim.load import load_drive
+from tests.yaml_files import read_yaml
 
 DANGEROUS: list[dict[str, Any]] = read_yaml(Path(__file__).with_name("dangerous.yaml").read_text("utf-8"))
 SIGNABLE = [case for case in DANGEROUS if "code" not in case]

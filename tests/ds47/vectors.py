@@ -4,9 +4,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from yaml_files import read_yaml
-
 from plcgen.ds47.wire.model import ErrorBlock, ParameterAddress, Request, Response, ValueBlock, ZeroBlock
+from tests.yaml_files import read_yaml
 
 PATH = Path(__file__).parents[1] / "vectors" / "ds47.yaml"
 

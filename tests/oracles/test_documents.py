@@ -6,11 +6,11 @@ import ast
 from pathlib import Path
 
 import pytest
-from projects import ROOT
 
 from plcgen.oracles import profidrive
 from plcgen.oracles.documents import DocumentedType, PublishedTelegram, device, documented_types, published
 from plcgen.oracles.profidrive import DocumentedDrive, HeldParameter, UnansweredError
+from tests.projects import ROOT
 
 ROOM = sorted((ROOT / "plcgen/oracles").glob("*.py"))
 TELEGRAMS = {one.id: one for one in published()}

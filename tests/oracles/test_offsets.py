@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from projects import FAQ, generated_example
 
 from plcgen.oracles import offsets
 from plcgen.oracles.offsets import NotKnownError, WrittenBlocks
@@ -15,6 +14,7 @@ from plcgen.proof import second_layout
 from plcgen.proof.checks import Outcome
 from plcgen.proof.folder import Folder, read_folder
 from plcgen.s7.layout.layout import Layout
+from tests.projects import FAQ, generated_example
 
 RULES = {
     # 1 bit, next byte, even byte: 0.0, 0.1, 1.0, 2.0, 4.0 and an even length

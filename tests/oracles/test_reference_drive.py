@@ -6,8 +6,6 @@ import ctypes
 from pathlib import Path
 
 import pytest
-from oracles.reference import ReferenceDrive, build
-from projects import TARGETS
 
 from plcgen import api
 from plcgen.ds47.plan.nouns import DrivePlan
@@ -22,6 +20,8 @@ from plcgen.ds47.wire.formats import FORMATS, Format, FormatKind, Value
 from plcgen.project.opening import open_spec
 from plcgen.proof.rig import ProgramBench
 from plcgen.s7.cpu.cpu import Cpu
+from tests.oracles.reference import ReferenceDrive, build
+from tests.projects import TARGETS
 
 BY_NAME = {fmt.name: fmt for fmt in FORMATS}
 NOT_THERE = {"BinaryDate", "TimeDifference"}

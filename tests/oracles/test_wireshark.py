@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from projects import FAQ, SPECS, generated_example
 
 from plcgen import api
 from plcgen.base.programs import find_program
@@ -20,6 +19,7 @@ from plcgen.oracles.wireshark import WireRecord
 from plcgen.project.opening import open_spec
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import read_folder
+from tests.projects import FAQ, SPECS, generated_example
 
 PROGRAM = find_program("tshark") or ""
 needs_tshark = pytest.mark.skipif(not PROGRAM, reason="tshark is not installed (apt install tshark)")

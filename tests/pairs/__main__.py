@@ -1,4 +1,4 @@
-"""All of them: ``python -m pairs``; ``--part 2/4`` for a share, ``--effort quick`` for the whole matrix of faults."""
+"""All of them: ``python -m tests.pairs``; ``--part 2/4`` for a share, ``--effort quick`` for all faults."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import tempfile
 import time
 from pathlib import Path
 
-from pairs import drives, ppi
-from pairs.cover import cover
-from pairs.refusals import DRIVES, refused
-from pairs.trial import WrongError, tried
+from tests.pairs import drives, ppi
+from tests.pairs.cover import cover
+from tests.pairs.refusals import DRIVES, refused
+from tests.pairs.trial import WrongError, tried
 
 
 def main() -> int:
     """Try every row; the exit code is 0 if each that is not refused works, and none is refused for another reason."""
-    parser = argparse.ArgumentParser(prog="pairs")
+    parser = argparse.ArgumentParser(prog="tests.pairs")
     parser.add_argument("--part", default="1/1", help="every n-th row")
     parser.add_argument("--effort", default="none", choices=("none", "quick"))
     given = parser.parse_args()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from pairs.cover import Row
+from tests.pairs.cover import Row
 
 DIMENSIONS: dict[str, tuple[str, ...]] = {
     "toolchain": (

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from pairs.cover import Row
-from pairs.drives import COMMENTS, KEYS, LANGUAGES, TRIGGERS
-from pairs.refusals import Refusal
+from tests.pairs.cover import Row
+from tests.pairs.drives import COMMENTS, KEYS, LANGUAGES, TRIGGERS
+from tests.pairs.refusals import Refusal
 
 DIMENSIONS: dict[str, tuple[str, ...]] = {
     "toolchain": (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import product
 
-from pairs.cover import Row
+from tests.pairs.cover import Row
 
 Side = tuple[str, tuple[str, ...]]
 """A dimension and some of its values."""

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pairs import drives, ppi
-from pairs.cover import Row, cover, sample
-from pairs.refusals import DRIVES, impossible, refused
-from pairs.trial import tried
+from tests.pairs import drives, ppi
+from tests.pairs.cover import Row, cover, sample
+from tests.pairs.refusals import DRIVES, impossible, refused
+from tests.pairs.trial import tried
 
 OPEN = pytest.mark.xfail(
     reason="open: PG641 of a recipe, octet strings at index 32766, arrays of BinaryDate on an S7-400",

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 import yaml
-from xsd_support import PROJECT, VERSIONS, validate_islands
 
 from plcgen import api
 from plcgen.base.diagnostics import Diagnostic, Severity
+from tests.xsd_support import PROJECT, VERSIONS, validate_islands
 
 Effort = Literal["none", "quick"]
 

@@ -2,11 +2,11 @@
 
 import pytest
 from hypothesis import given
-from ppi.strategies import bits, elements, memory
 
 from plcgen.ppi.wire.address import PpiAddressError, address_text, parse_item
 from plcgen.ppi.wire.areas import Area, TransportSize
 from plcgen.ppi.wire.model import Item
+from tests.ppi.strategies import bits, elements, memory
 
 BYTE, WORD, DWORD = TransportSize.BYTE, TransportSize.WORD, TransportSize.DWORD
 

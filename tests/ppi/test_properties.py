@@ -6,7 +6,6 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from ppi.strategies import damaged, frames, pdus
 
 from plcgen.ppi.wire.description import frame_text
 from plcgen.ppi.wire.dissect import dissect, title
@@ -16,6 +15,7 @@ from plcgen.ppi.wire.model import VariableFrame
 from plcgen.ppi.wire.pdu import decode_pdu, encode_pdu
 from plcgen.ppi.wire.stream import Splitter, split
 from plcgen.ppi.wire.telegram import decode_telegram, examine
+from tests.ppi.strategies import damaged, frames, pdus
 
 
 @given(pdus)

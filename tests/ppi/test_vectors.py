@@ -1,7 +1,6 @@
 """Every frame of the seed document, and its misprints."""
 
 import pytest
-from ppi.vectors import FRAMES, WRONG, frame, octets, pdu, tables
 
 from plcgen.ppi.wire.address import address_text, parse_item
 from plcgen.ppi.wire.errors import PpiError
@@ -9,6 +8,7 @@ from plcgen.ppi.wire.fdl import decode_frame, encode_frame
 from plcgen.ppi.wire.model import ReadRequest, VariableFrame, WriteRequest
 from plcgen.ppi.wire.pdu import decode_pdu, encode_pdu
 from plcgen.ppi.wire.telegram import decode_telegram, examine
+from tests.ppi.vectors import FRAMES, WRONG, frame, octets, pdu, tables
 
 
 def test_every_seed_frame_is_there():

@@ -1,7 +1,6 @@
 """Every violation by itself, with its kind and its offset; and all of them at once."""
 
 import pytest
-from ppi.vectors import FRAMES, octets
 
 from plcgen.ppi.wire.areas import Area
 from plcgen.ppi.wire.errors import Kind, PpiError
@@ -28,6 +27,7 @@ from plcgen.ppi.wire.model import (
 from plcgen.ppi.wire.pdu import decode_pdu, encode_pdu, examine_pdu
 from plcgen.ppi.wire.sequence import FrameCountCheck
 from plcgen.ppi.wire.telegram import decode_telegram, examine
+from tests.ppi.vectors import FRAMES, octets
 
 READ = octets(FRAMES["t1-read-vb100"])
 WRITE = octets(FRAMES["vb-write-vb100=0c-7c"])

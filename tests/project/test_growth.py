@@ -6,9 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from work import calls_of
 
 from plcgen import api
+from tests.work import calls_of
 
 HEAD = "plc: {name: T, family: s7-1500, toolchain: tia-v19}\n"
 ONE = "drives: {d: {device: sinamics-g120, hardware_id: 281}}\n"

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from projects import ROOT
-from yaml_files import read_yaml
 
 from plcgen import api
 from plcgen.base.diagnostics import Report
 from plcgen.base.files.yaml import YamlNode, parse_yaml
+from tests.projects import ROOT
+from tests.yaml_files import read_yaml
 
 CASES = ROOT / "tests" / "cases"
 OF_A_SOUND_SPEC = {"PG227", "PG412", "PG413"}

@@ -11,7 +11,6 @@ from typing import Any
 import jsonschema
 import pytest
 import yaml
-from projects import SPECS, every_type
 
 from plcgen import api
 from plcgen.base.diagnostics import ArgumentError, DiagnosticError, Report
@@ -20,6 +19,7 @@ from plcgen.ds47 import devices as catalog
 from plcgen.project.loading import parse_spec, spec_keys
 from plcgen.project.registry import protocols
 from plcgen.project.shape import json_schema
+from tests.projects import SPECS, every_type
 
 VALIDATOR = jsonschema.Draft202012Validator(json_schema(protocols()))
 

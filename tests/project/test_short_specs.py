@@ -6,11 +6,11 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from work import calls_of
 
-from bench.specs import grid, many_jobs
 from plcgen import api
 from plcgen.project.opening import open_spec
+from tests.bench.specs import grid, many_jobs
+from tests.work import calls_of
 
 LENGTH = 1024
 PLC = "plc: {name: P, family: s7-1500, toolchain: tia-v19}\n"

@@ -8,13 +8,12 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from projects import ROOT
-
 from plcgen.project.opening import open_spec
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.delivery import delivered
 from plcgen.proof.folder import read_folder
 from plcgen.proof.layouts import check_layout
+from tests.projects import ROOT
 
 Edit = tuple[str, str, str]
 """File, what stands there, what stands there instead."""

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from projects import ROOT
 
-sys.path.insert(0, str(ROOT))
-
-from mutation.beliefs.__main__ import failures
-from mutation.beliefs.run import Outcome, tried
-from mutation.beliefs.tables import Break, breaks, names
 from plcgen import api
 from plcgen.base.diagnostics import Diagnostic, Severity
+from tests.mutation.beliefs.__main__ import failures
+from tests.mutation.beliefs.run import Outcome, tried
+from tests.mutation.beliefs.tables import Break, breaks, names
 
 FLOOR = 16
 """So many breaks of the sample there are at least, all of them noticed or with a reason why not."""

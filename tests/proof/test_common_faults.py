@@ -15,7 +15,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from projects import ROOT
+
+from tests.projects import ROOT
 
 SPEC = """\
 plc: {name: a, family: s7-1500, toolchain: tia-v19}

@@ -6,10 +6,10 @@ import shutil
 from pathlib import Path
 
 import pytest
-from projects import ROOT, generated_example
-from proof.damaging import damaged, findings
 
 from plcgen import api
+from tests.projects import ROOT, generated_example
+from tests.proof.damaging import damaged, findings
 
 TIA, NEW, V5 = "s7-300_6ra80_dp_tia", "s7-1500_g120_pn", "s7-300_mm440_dp"
 MAIN_TEXT, JOB = "scl/Main.scl", "scl/SetRamps.scl"

@@ -12,14 +12,14 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from projects import generated_example
-from proof.damaging import Edit, damaged, findings
 
 from plcgen import api
 from plcgen.project.opening import open_spec
 from plcgen.proof.checks import Outcome
 from plcgen.proof.delivery import delivered
 from plcgen.proof.folder import read_folder
+from tests.projects import generated_example
+from tests.proof.damaging import Edit, damaged, findings
 
 ROWS: dict[tuple[str, str], list[Edit]] = {}
 for example, table in tomllib.loads((Path(__file__).parent / "damages.toml").read_text("utf-8")).items():

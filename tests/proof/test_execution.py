@@ -10,7 +10,6 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from projects import FAQ, MM4, SPECS, TARGETS, every_type, retargeted
 
 from plcgen import api
 from plcgen.base.diagnostics import Report
@@ -20,6 +19,7 @@ from plcgen.project.resolve import resolve
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.execution import check_execution
 from plcgen.proof.sharing import Sharing
+from tests.projects import FAQ, MM4, SPECS, TARGETS, every_type, retargeted
 
 PROJECTS = {
     **{f"every type {target}": every_type(target) for target in ("v5", "t15")},
@@ -31,7 +31,7 @@ PROJECTS = {
     },
 }
 """On an S7-1200 the plant has the same code as on an S7-1500 but for the number of places in DriveCalls; "every type"
-has the same on TIA S7-300 as on STEP 7 V5 but for the spelling, and runs there without faults (tests/documents)."""
+has the same on TIA S7-300 as on STEP 7 V5 but for the spelling, and runs there without faults (tests/build)."""
 
 
 @cache

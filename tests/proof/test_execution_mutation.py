@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import sys
-
 import pytest
-from projects import ROOT
 
-sys.path.insert(0, str(ROOT))
-
-from mutation.__main__ import counted
-from mutation.cases import Case, cases, known_cases, spread
-from mutation.engine import ENGINE
-from mutation.equivalent import reason
-from mutation.known import FAQ, MM4, PUMP
-from mutation.operators import Mutant, mutants, numbers
-from mutation.run import Verdict, notice
+from tests.mutation.__main__ import counted
+from tests.mutation.cases import Case, cases, known_cases, spread
+from tests.mutation.engine import ENGINE
+from tests.mutation.equivalent import reason
+from tests.mutation.known import FAQ, MM4, PUMP
+from tests.mutation.operators import Mutant, mutants, numbers
+from tests.mutation.run import Verdict, notice
 
 SOURCE = "FUNCTION_BLOCK f\nVAR\n  a : INT;\nEND_VAR\nBEGIN\n"
 SOURCE += "IF a > 1 THEN\n  a := 2;\n  a := a + 1;\nEND_IF;\nEND_FUNCTION_BLOCK\n"

@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from projects import ROOT
 
 from plcgen import api
 from plcgen.proof.checks import Outcome
 from plcgen.proof.idle import count, idle_check
 from plcgen.s7.cpu.program import Program
 from plcgen.s7.scl.dialect import Dialect
+from tests.projects import ROOT
 
 SOURCE = """
 FUNCTION_BLOCK FB 1

@@ -7,7 +7,8 @@ import re
 from pathlib import Path
 
 import pytest
-from projects import ROOT
+
+from tests.projects import ROOT
 
 PACKAGE = ROOT / "plcgen"
 ENGINE = sorted((PACKAGE / "proof").rglob("*.py"))

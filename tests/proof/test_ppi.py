@@ -7,9 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from projects import ROOT, generated_example
 
-from mutation.run import executed
 from plcgen import api
 from plcgen.base.diagnostics import Report
 from plcgen.ppi.plan.nouns import PpiPlan
@@ -21,6 +19,8 @@ from plcgen.project.resolve import resolve
 from plcgen.proof.checks import Verification
 from plcgen.proof.execution import Work, attempt
 from plcgen.proof.rig import ProgramBench
+from tests.mutation.run import executed
+from tests.projects import ROOT, generated_example
 
 HEADS = {
     "t12": ("s7-1200", "tia-v19", "cm1241", "port: 270"),

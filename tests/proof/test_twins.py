@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from projects import FAQ, generated_example
 
 from plcgen import api
 from plcgen.project.target import target
@@ -14,6 +13,7 @@ from plcgen.proof.folder import read_folder
 from plcgen.proof.twins import difference
 from plcgen.s7.read.text import read_source
 from plcgen.s7.xml.reading.documents import read_simaticml
+from tests.projects import FAQ, generated_example
 
 EXAMPLE = generated_example(FAQ.stem)
 

@@ -9,7 +9,6 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from projects import FAQ, MM4, SPECS, generated_example
 
 from plcgen import api
 from plcgen.ds47.plan.nouns import DrivePlan
@@ -20,6 +19,7 @@ from plcgen.project.nouns import Plan
 from plcgen.proof.checks import Check, Outcome, Verification
 from plcgen.proof.folder import Folder, read_folder
 from plcgen.proof.layouts import check_layout
+from tests.projects import FAQ, MM4, SPECS, generated_example
 
 GOLDEN = generated_example(FAQ.stem)
 

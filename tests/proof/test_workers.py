@@ -18,12 +18,12 @@ from threading import Condition
 from typing import Any
 
 import pytest
-from projects import FAQ, ROOT
 
 from plcgen import api
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.proof.checks import Outcome
 from plcgen.proof.sharing import Sharing
+from tests.projects import FAQ, ROOT
 
 
 def shared_out(task: Any, total: int, progress: Any = None, workers: int | None = None) -> Sequence[Any]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from layout_vectors import block, cases, db
-from rulebook import Rulebook
 
 from plcgen.s7.layout.evidence import COMPILED, RULES, SIZES, rule
 from plcgen.s7.layout.layout import layout_block, leaves, locate
 from plcgen.s7.types.data_types import ELEMENTARY
+from tests.layout_vectors import block, cases, db
+from tests.rulebook import Rulebook
 
 WITHOUT = {
     "bit": [("bit",)],

@@ -6,12 +6,12 @@ import contextlib
 import dataclasses
 
 import pytest
-from layout_vectors import block, cases, db, members
 
 from plcgen.s7.layout.image import StartValueError, image, read_member, write_member
 from plcgen.s7.layout.layout import layout_block
 from plcgen.s7.types.blocks import Assignment, Block, BlockKind, Section, SectionKind
 from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, Member, NamedType, StructType
+from tests.layout_vectors import block, cases, db, members
 
 
 def starts_of(case):

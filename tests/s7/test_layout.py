@@ -5,14 +5,14 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from layout_vectors import block, cases, db, members, to_type
-from work import calls_of
 
 from plcgen.base.diagnostics import DiagnosticError, Span
 from plcgen.s7.layout.layout import layout_block, layout_members, leaves, locate, split_path
 from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, Elementary, Member, NamedType, StringType, StructType
 from plcgen.s7.types.system import s7_1500_types
+from tests.layout_vectors import block, cases, db, members, to_type
+from tests.work import calls_of
 
 
 def offsets(layout):

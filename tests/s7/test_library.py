@@ -7,9 +7,9 @@ import subprocess
 import sys
 
 import pytest
-from projects import ROOT
 
 import plcgen.s7
+from tests.projects import ROOT
 
 PAGE = ROOT / "plcgen" / "s7" / "README.md"
 HIDE = """

@@ -13,13 +13,13 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from ds47.live.servers import DriveServer, cpu, running
 
 from plcgen.cli.main import run
 from plcgen.ds47 import live
 from plcgen.ds47.device import Parameter
 from plcgen.ds47.live.connection import S7Connection, S7Partner
 from plcgen.ds47.live.parameters import element_address, element_value
+from tests.ds47.live.servers import DriveServer, cpu, running
 
 TEN = bytes.fromhex("41 20 00 00")  # 10.0 = 1.25 * 2 ** 3: exponent 130, fraction .25
 

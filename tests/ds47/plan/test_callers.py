@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from bench.specs import PLCS, grid
 from plcgen import api
 from plcgen.ds47.plan import callers
 from plcgen.ds47.plan.callers import CHANNEL, GATE, Footprint, footprint
@@ -17,6 +16,7 @@ from plcgen.proof.checks import Outcome
 from plcgen.s7.layout.layout import layout_block
 from plcgen.s7.memory.estimate import estimate
 from plcgen.s7.read.blocks import read_sources
+from tests.bench.specs import PLCS, grid
 
 LARGEST = 64 * 1024
 """Bytes of a code block of an S7-300/400, and of a DB with standard access (specs/cpus/s7.yaml)."""

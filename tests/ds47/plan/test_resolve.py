@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from projects import FAQ, MM4
-
 from plcgen.base.diagnostics import Report
 from plcgen.ds47.plan.nouns import DrivePlan
 from plcgen.project.loading import parse_spec
 from plcgen.project.resolve import resolve
+from tests.projects import FAQ, MM4
 
 HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v18}\n"
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from ds47.proof.playing import sent
 
 from plcgen import api
 from plcgen.ds47.proof.plant import Plant
 from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.ds47.proof.words import WORDS
+from tests.ds47.proof.playing import sent
 
 HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-s120, hardware_id: 270}}\n"
 SPEC = """

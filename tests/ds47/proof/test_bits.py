@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from ds47.proof.playing import job_of, sent, status_of
 
 from plcgen import api
 from plcgen.ds47.live.comparison import compare_drives
@@ -14,6 +13,7 @@ from plcgen.ds47.proof.plant import Plant
 from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.ds47.sheet import review_sheet
 from plcgen.ds47.sim.faults import Fault, FaultKind
+from tests.ds47.proof.playing import job_of, sent, status_of
 
 SPEC = """
 drives:

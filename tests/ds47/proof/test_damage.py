@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import sys
-
 import pytest
-from projects import ROOT
 
-sys.path.insert(0, str(ROOT))
-
-from mutation.cases import cases
-from mutation.run import notice
+from tests.mutation.cases import cases
+from tests.mutation.run import notice
 
 READBACK, SAVE, SEQUENCE = "s7-1500_g120_readback", "s7-1500_s120_save", "s7-1500_s210_sequence"
 MESSAGES, RECIPE, RESTORE = "s7-1500_s120_messages", "s7-1200_s120_recipe", "s7-1500_s210_restore"

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from ds47.proof.playing import job_of, sent, status_of
 
 from plcgen import api
 from plcgen.ds47.plan.nouns import DrivePlan
 from plcgen.ds47.proof.plant import Plant
 from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.ds47.sim.drive import Drive
+from tests.ds47.proof.playing import job_of, sent, status_of
 
 HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-s120, hardware_id: 270}}\n"
 SPEC = """

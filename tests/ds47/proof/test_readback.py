@@ -6,7 +6,6 @@ import struct
 from pathlib import Path
 
 import pytest
-from ds47.proof.playing import job_of, sent, status_of
 
 from plcgen import api
 from plcgen.ds47.plan.nouns import DrivePlan
@@ -16,6 +15,7 @@ from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.ds47.proof.stimulus import UNITS
 from plcgen.ds47.proof.words import GRANT, WORDS
 from plcgen.ds47.sim.parameters import Keeps
+from tests.ds47.proof.playing import job_of, sent, status_of
 
 HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-g120, hardware_id: 270}}\n"
 SPEC = """

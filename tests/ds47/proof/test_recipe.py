@@ -6,7 +6,6 @@ import struct
 from pathlib import Path
 
 import pytest
-from ds47.proof.playing import ended, job_of, sent
 
 from plcgen import api
 from plcgen.ds47.plan.nouns import DrivePlan
@@ -14,6 +13,7 @@ from plcgen.ds47.proof.plant import Plant
 from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.ds47.sim.faults import Fault, FaultKind
 from plcgen.proof.rig import Members
+from tests.ds47.proof.playing import ended, job_of, sent
 
 SPEC = """
 drives:

@@ -5,14 +5,13 @@ from __future__ import annotations
 import struct
 from collections.abc import Mapping
 
-from ds47.proof.playing import job_of, status_of
-
 from plcgen.ds47.proof.plant import Plant
 from plcgen.ds47.proof.scenario import DriveScenario, Event
 from plcgen.ds47.sheet import review_sheet
 from plcgen.ds47.sim.drive import Drive
 from plcgen.ds47.sim.faults import Fault, FaultKind
 from plcgen.ds47.sim.parameters import Keeps
+from tests.ds47.proof.playing import job_of, status_of
 
 SPEC = """
 drives:

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from bench.specs import grid
 from plcgen import api
 from plcgen.ds47.plan import callers
 from plcgen.ds47.plan.callers import Footprint
@@ -19,6 +18,7 @@ from plcgen.proof.execution import run_procedure
 from plcgen.proof.results import Result, added
 from plcgen.proof.rig import ProgramBench
 from plcgen.s7.cpu.program import Program
+from tests.bench.specs import grid
 
 
 def planned(text: str, folder: Path) -> DrivePlan:

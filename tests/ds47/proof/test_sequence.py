@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from ds47.proof.playing import job_of, sent
 
 from plcgen import api
 from plcgen.ds47.proof.plant import Plant
@@ -14,6 +13,7 @@ from plcgen.ds47.sim.faults import Fault, FaultKind
 from plcgen.proof.execution import Work, coverage, run_job
 from plcgen.proof.results import added
 from plcgen.proof.rig import ProgramBench
+from tests.ds47.proof.playing import job_of, sent
 
 SPEC = """
 drives:

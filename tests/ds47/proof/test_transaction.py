@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ds47.proof.playing import ended, job_of, status_of
 
 from plcgen import api
 from plcgen.ds47.proof.plant import Plant
 from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.ds47.sheet import review_sheet
 from plcgen.ds47.sim.faults import Fault, FaultKind
+from tests.ds47.proof.playing import ended, job_of, status_of
 
 SPEC = """
 drives:

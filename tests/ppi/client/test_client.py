@@ -3,13 +3,13 @@
 import math
 
 import pytest
-from ppi.client.support import connect
 
 from plcgen.base.diagnostics import DiagnosticError
 from plcgen.ppi.client import RefusedError
 from plcgen.ppi.symbols import parse_symbols
 from plcgen.ppi.wire.model import ReadRequest, VariableFrame
 from plcgen.ppi.wire.pdu import decode_pdu
+from tests.ppi.client.support import connect
 
 
 def requests(bus):

@@ -3,7 +3,6 @@
 import math
 
 import pytest
-from ppi.client.support import connect, scripted
 
 from plcgen.base.line.endpoint import EndpointLine
 from plcgen.base.line.model import LineLostError
@@ -11,6 +10,7 @@ from plcgen.ppi.client import Client, ClientError, NoAnswerError, RefusedError, 
 from plcgen.ppi.sim import Fault, FaultKind
 from plcgen.ppi.wire.fdl import encode_frame
 from plcgen.ppi.wire.model import VariableFrame
+from tests.ppi.client.support import connect, scripted
 
 READ = "68 1B 1B 68 02 00 {fc} 32 01 00 00 00 01 00 0E 00 00 04 01 12 0A 10 02 00 01 00 01 84 00 03 20 {fcs} 16"
 ANSWER = bytes.fromhex("68 16 16 68 00 02 08 32 03 00 00 00 01 00 02 00 05 00 00 04 01 FF 04 00 08 22 79 16")

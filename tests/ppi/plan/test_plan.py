@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from projects import ROOT
-from yaml_files import read_yaml
 
 from plcgen import api
 from plcgen.ppi.plan.fields import request_fields
 from plcgen.ppi.plan.nouns import PpiPlan
 from plcgen.proof.folder import read_folder
 from plcgen.s7.layout.image import image
+from tests.projects import ROOT
+from tests.yaml_files import read_yaml
 
 VECTORS = read_yaml((ROOT / "tests" / "vectors" / "ppi.yaml").read_text("utf-8"))["frames"]
 TARGETS = {

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import sys
-
 import pytest
-from projects import ROOT
 
-sys.path.insert(0, str(ROOT))
-
-from mutation.cases import cases
-from mutation.run import notice
+from tests.mutation.cases import cases
+from tests.mutation.run import notice
 
 CM, CP = "ppi_cm1241", "ppi_cp341"
 DAMAGE = {

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from s7_200_talk import E5, Talk
 
 from plcgen.base.diagnostics import DiagnosticError
 from plcgen.base.line.endpoint import Clock, EndpointLine
@@ -15,6 +14,7 @@ from plcgen.ppi.wire.areas import Area
 from plcgen.ppi.wire.errors import Kind, PpiError
 from plcgen.ppi.wire.model import ErrorReply, Item, ReadRequest
 from plcgen.ppi.wire.telegram import decode_telegram, encode_poll, encode_request
+from tests.s7_200_talk import E5, Talk
 
 READ = ReadRequest(7, (Item.memory(Area.V, 100),))
 REQUEST = encode_request(READ)

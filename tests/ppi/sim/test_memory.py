@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from s7_200_talk import Talk
 
 from plcgen.ppi.sim import Bus, Station
 from plcgen.ppi.sim.cpu import BY_LEVEL, Mode, Service
@@ -24,6 +23,7 @@ from plcgen.ppi.wire.model import (
     StopRequest,
     WriteRequest,
 )
+from tests.s7_200_talk import Talk
 
 OK, DENIED, RANGE, TYPE, SIZE, MISSING = 0xFF, 0x03, 0x05, 0x06, 0x07, 0x0A
 

@@ -7,10 +7,10 @@ reads with 6Ch, writes with 7Ch and polls with 5Ch only; programs after the seed
 from __future__ import annotations
 
 import pytest
-from s7_200_talk import E5
 
 from plcgen.ppi.sim import Bus, Station
 from plcgen.ppi.sim.cpu import Mode
+from tests.s7_200_talk import E5
 
 
 class Client:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from s7_200_talk import E5, Talk
 
 from plcgen.ppi.sim import Bus, Station
 from plcgen.ppi.sim.cpu import Mode, Switch
@@ -21,6 +20,7 @@ from plcgen.ppi.wire.model import (
     StopRequest,
     WriteRequest,
 )
+from tests.s7_200_talk import E5, Talk
 
 POLL = bytes.fromhex("10 02 00 5C 5E 16")
 READ_VB100 = bytes.fromhex(

@@ -1,1 +1,0 @@
-"""Benchmarks: everything in one run, as ratios against a peer in the same run. ``python -m bench``."""

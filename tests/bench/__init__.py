@@ -1,0 +1,1 @@
+"""Benchmarks: everything in one run, as ratios against a peer in the same run. ``python -m tests.bench``."""
