@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import os
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +53,21 @@ def test_what_documents_name(document: dict[str, Any]) -> None:
     assert [pnu for pnu in document["free"] if device.danger(pnu) or not device.classified(pnu)] == []
 
 
+def test_what_was_drawn_blind() -> None:
+    """Of 260 dangerous writes each asks, of 224 harmless ones none."""
+    lines = (HERE / "effects_draw.tsv").read_text("utf-8").splitlines()
+    rows = list(csv.DictReader((line for line in lines if line[0] != "#"), delimiter="\t", quoting=csv.QUOTE_NONE))
+    assert Counter(row["expected"] for row in rows) == {"ask": 260, "free": 224}
+    wrong = []
+    for row in rows:
+        signal = row["value"].startswith("r")
+        value = row["value"] if signal else float(int(row["value"][3:], 16) if "#" in row["value"] else row["value"])
+        reason = find_device(row["device"]).danger(int(row["number"]), (value,), row["object"])
+        if bool(reason) != (row["expected"] == "ask"):
+            wrong.append((row["device"], row["number"], row["value"], reason))
+    assert wrong == []
+
+
 @pytest.mark.parametrize(
     ("device", "pnu", "kind"),
     [
@@ -62,6 +79,10 @@ def test_what_documents_name(document: dict[str, Any]) -> None:
         ("sinamics-s120", 1082, "limits"), ("sinamics-s120", 505, "scaling"), ("sinamics-s120", 8921, "network"),
         ("sinamics-g120", 971, "rom"), ("sinamics-s120", 105, "parts"), ("sinamics-s120", 9501, "safety"),
         ("sinamics-s120", 7761, "access"), ("sinamics-dcp", 311, "motor"), ("sinamics-s120", 4641, ""),
+        ("sinamics-v90", 2162, "protection"), ("sinamics-g120", 2162, "protection"), ("sinamics-v90", 29108, "motor"),
+        ("sinamics-v90", 29241, "moves"), ("sinamics-dcm", 50370, "brake"), ("sinamics-dcm", 50396, "protection"),
+        ("sinamics-dcm", 50436, "commands"), ("sinamics-dcm", 50485, "commands"), ("sinamics-dcm", 50513, "limits"),
+        ("sinamics-dcm", 50304, ""), ("sinamics-dcm", 50225, ""), ("micromaster-4", 2251, "commands"),
     ],
 )  # fmt: skip
 def test_the_class_of_a_number(device: str, pnu: int, kind: str) -> None:
@@ -131,6 +152,15 @@ def test_the_value_decides_at_the_input_of_a_free_block(tmp_path: Path, pnu: int
     """A constant 1 asks; a signal and 0 do not; an input may become 1."""
     result = check(tmp_path, "sinamics-s120", f"write: [{{parameter: 'P{pnu}[0]', type: Unsigned32, {write}}}]")
     assert ("PG219" in codes(result)) == asks
+
+
+@pytest.mark.parametrize(
+    ("write", "asks"), [("P2161: 0.0", True), ("P2161: 5.0", False), ("P2161: null", True), ("P2155: 0.0", False)]
+)
+def test_a_threshold_of_0_switches_the_fault_off(tmp_path: Path, write: str, *, asks: bool) -> None:
+    """F07822 rests on p2161, of which the list says that 0 deactivates it; on p2155 there is an alarm alone."""
+    drive = "sinamics-s120, parameters: {P2161: {type: FloatingPoint}, P2155: {type: FloatingPoint}}"
+    assert ("PG219" in codes(check(tmp_path, drive, f"write: {{{write}}}"))) == asks
 
 
 def test_old_values_that_are_restored_may_be_any(tmp_path: Path) -> None:
@@ -248,11 +278,21 @@ def test_a_number_of_a_list_with_another_effect_asks_in_its_family(tmp_path: Pat
 
 
 def test_the_table_is_what_the_tool_makes_of_the_lists() -> None:
-    """The same lists and rules give the same bytes."""
+    """The same lists and rules give the same bytes; every range of every rule decides something."""
     folder = os.environ.get("PLCGEN_LISTS", "")
     if not folder:
         pytest.skip("PLCGEN_LISTS names no folder with the lists of parameters, which are no part of plcgen")
     assert table(Path(folder)) == effects.TABLE.read_text("utf-8")
+    decided: dict[int, set[int]] = {}
+    for row in (row for name in FAMILIES for row in read_list(Path(folder) / f"{name}.tsv")):
+        decided.setdefault(classify(row, rules()).line, set()).add(row.number)
+    idle = [
+        (rule.line, first, last)
+        for rule in rules()
+        for first, last in rule.ranges
+        if not any(first <= number <= last for number in decided.get(rule.line, ()))
+    ]
+    assert idle == []
 
 
 def test_the_table_is_small() -> None:
