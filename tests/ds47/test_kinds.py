@@ -66,11 +66,11 @@ def test_a_kind_is_generated_and_verified(toy: Path, tmp_path: Path, distributio
 
 
 def test_a_wrong_kind_does_not_keep_its_statement(toy: Path, tmp_path: Path, distribution) -> None:
-    """PG641 where the spec has the job: the toy reads r0964, its statement says r0965."""
+    """PG641 where the spec has the job: the toy reads r0964, its statement says r0965; documents name r0964, too."""
     distribution("toy_statement", "plcgen.statements", "identify = toy_statement:steps", STATEMENT.replace("64", "65"))
     assert api.generate(toy, tmp_path / "out").ok
-    (found,) = api.verify(toy, tmp_path / "out", faults="none").problems
-    assert (found.code, found.span.line) == ("PG641", 4)
+    documents, found = api.verify(toy, tmp_path / "out", faults="none").problems
+    assert (documents.code, found.code, found.span.line) == ("PG614", "PG641", 4)
     assert "a read of 965" in found.message
 
 

@@ -31,5 +31,11 @@ class SpecSource:
     profiles: Mapping[str, Mapping[str, Any]]
 
 
+def texts(given: Any) -> frozenset[str]:
+    """A comment of a spec in each of its languages; one text stands for the first of them."""
+    said = given.values() if isinstance(given, Mapping) else (given,)
+    return frozenset(str(one) for one in said if one)
+
+
 class NotStatedError(ValueError):
     """Nothing here says what the spec demands."""

@@ -60,7 +60,7 @@ def check_wording(project: Project, folder: Folder) -> Iterator[Check]:
         ]
         text = f"{len(paths)} documents"
         yield file_check("files.languages", "languages", text, problems, "version, languages and attributes as stated")
-    problems = list(_files(project, folder, stated))
+    problems = [*(one for wording in stated for one in wording.groundless()), *_files(project, folder, stated)]
     yield file_check("files.wording", "wording", "tables, guides, manifest", problems, "say what the spec says")
 
 

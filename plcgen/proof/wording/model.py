@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from plcgen.base.diagnostics import Diagnostic
 from plcgen.project.nouns import PlannedJob
 from plcgen.s7.types.blocks import Block
 
@@ -111,6 +112,9 @@ class Wording(Protocol):
 
     def guide(self) -> tuple[list[GuideLine], list[GuideLine]]:
         """Lines of the import guide in front of and behind the order."""
+
+    def groundless(self) -> Iterator[Diagnostic]:
+        """Where the plan that these texts are held against is not what the spec demands, read a second time."""
 
     def manifest(self) -> Mapping[str, object]:
         """What the manifest says of the plan."""

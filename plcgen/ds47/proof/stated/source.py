@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -12,6 +13,7 @@ from plcgen.base.files.text import read_text
 from plcgen.base.files.yaml import load_yaml
 from plcgen.base.plugins import plugins
 from plcgen.base.resources import specs_dir
+from plcgen.oracles.spec.ds47.signing import Effects
 from plcgen.oracles.spec.ds47.state import StatesKind
 from plcgen.oracles.spec.place import Keys, SpecPlace, SpecSource
 from plcgen.project.spec import LoadedSpec
@@ -29,6 +31,13 @@ def spec_source(loaded: LoadedSpec) -> SpecSource:
         return SpecPlace(span.file, span.line, span.column)
 
     return SpecSource(data, place, dict(_profiles(data, Path(loaded.file).parent)))
+
+
+@lru_cache(maxsize=1)
+def effects() -> Effects:
+    """What writes do, from the two files of the table as they lie there."""
+    table = Path(__file__).resolve().parents[2] / "effects.toml"
+    return Effects(tomllib.loads(table.read_text("utf-8")), table.with_suffix(".tsv").read_text("utf-8").splitlines())
 
 
 def kinds_of_others() -> Mapping[str, StatesKind]:

@@ -1,7 +1,7 @@
 """What documents of drive jobs say: every text, number and name, from telegrams on disk, spec and profile.
 
-A second statement: nothing here is asked of what writes the documents. Whether the telegrams are those of the spec is
-found out elsewhere.
+A second statement: nothing here is asked of what writes the documents. Whether the accesses that the plan has are those
+of the spec is found out first (:mod:`.grounds`); whether the telegrams are, elsewhere.
 """
 
 from __future__ import annotations
@@ -11,9 +11,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
 
+from plcgen.base.diagnostics import Diagnostic
 from plcgen.ds47.kinds.registry import kind_called
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, Use
 from plcgen.ds47.proof.wording import guide
+from plcgen.ds47.proof.wording.grounds import Stated, groundless, stated_of
 from plcgen.ds47.proof.wording.meanings import Meanings, lengths, of_answer, of_request
 from plcgen.ds47.proof.wording.naming import (
     bit_label,
@@ -68,6 +70,11 @@ class DriveWording:
     def english(self) -> bool:
         """Whether the sources are in English."""
         return self.plan.languages[0].startswith("en")
+
+    @cached_property
+    def stated(self) -> Stated:
+        """What the spec demands, read a second time."""
+        return stated_of(self.plan.loaded)
 
     @cached_property
     def engine(self) -> dict[str, str]:
@@ -372,7 +379,11 @@ class DriveWording:
 
     def guide(self) -> tuple[list[GuideLine], list[GuideLine]]:
         """Parts of the import guide before and behind the order, line by line."""
-        return guide.guide_before(self.plan), guide.behind(self.plan)
+        return guide.guide_before(self.plan), guide.behind(self.plan, self.stated)
+
+    def groundless(self) -> Iterator[Diagnostic]:
+        """Where the plan that texts are held against is not what the spec demands."""
+        return groundless(self.plan, self.stated)
 
     def manifest(self) -> dict[str, object]:
         """What the manifest says of the jobs."""

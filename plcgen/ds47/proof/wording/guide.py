@@ -10,15 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive, Use
+from plcgen.ds47.proof.wording.grounds import Stated
 from plcgen.ds47.proof.wording.naming import labels, same_number
+from plcgen.oracles.spec.ds47.signing import SAFETY
 from plcgen.proof.wording.model import GuideLine, unmarked
 
 OUTPUT, RECORD_47 = 0x8000, 47
 """Bit 15 of the ID of an output address, and of the data records of PROFINET; the data record of PROFIBUS."""
-SAFETY = frozenset({3117, *range(9300, 9400), *range(9500, 10_300), 60_022})
-"""Parameters of Safety Integrated (lists of parameters in the TIA Portal information system)."""
 MOST_VALUES = 4
-_UNKNOWN = "nobody has classified what a write does"
 _OCTET = re.compile(r"(?:B#)?16#[0-9A-F]{2}")
 _SOURCE = re.compile(r"r(?P<number>\d+)\.(?P<index>\d+)(?:@(?P<object>\d+))?")
 SELF = 0x3F
@@ -58,12 +57,12 @@ def _drive(drive: PlannedDrive, *, classic: bool) -> str:
     return f"| {drive.key} | `{name}` | {drive.drive_object} | {index} | {text} |"
 
 
-def behind(plan: DrivePlan) -> list[GuideLine]:
+def behind(plan: DrivePlan, stated: Stated) -> list[GuideLine]:
     """What the blocks write: a row for every parameter of every telegram that is a change, for each drive."""
     rows = [(job, use) for job in plan.jobs for use in job.own if use.writes]
     if not rows:
         return []
-    found = [*map(GuideLine, _said("writes")), *(_written(plan, job, use) for job, use in rows)]
+    found = [*map(GuideLine, _said("writes")), *(_written(plan, stated, job, use) for job, use in rows)]
     for job, use in rows:
         if use.parameter.pnu in SAFETY:
             what = {"block": job.block.name, "parameter": labels(job)[use.position], "drive": job.drive.key}
@@ -71,9 +70,9 @@ def behind(plan: DrivePlan) -> list[GuideLine]:
     return [*found, *map(GuideLine, _said("lost"))]
 
 
-def _written(plan: DrivePlan, job: DriveJob, use: Use) -> GuideLine:
+def _written(plan: DrivePlan, stated: Stated, job: DriveJob, use: Use) -> GuideLine:
     front = unmarked(f"| {job.block.name} | {job.drive.key} | {labels(job)[use.position]} | {use.parameter.title} |")
-    end = unmarked(f"| {'; '.join(_notes(plan, job, use))} |")
+    end = unmarked(f"| {'; '.join(_notes(plan, stated, job, use))} |")
 
     def accepts(text: str) -> bool:
         inside = text.removeprefix(front).removesuffix(end).strip()
@@ -82,11 +81,9 @@ def _written(plan: DrivePlan, job: DriveJob, use: Use) -> GuideLine:
     return GuideLine(f"{front} {use.data.hex(' ').upper()} {end}", accepts)
 
 
-def _notes(plan: DrivePlan, job: DriveJob, use: Use) -> Iterator[str]:
+def _notes(plan: DrivePlan, stated: Stated, job: DriveJob, use: Use) -> Iterator[str]:
     number = use.parameter.pnu
-    danger = plan.danger(job, use) or (_UNKNOWN if plan.unclassified(job, use) else "")
-    if danger:
-        yield f"{danger}; signed off: {plan.sign_off(job, number) or 'no'}"
+    yield from stated.danger(plan, job, number)
     if use.bits:
         yield "all other bits as they are read in front of the write"
     restores = plan.entry(job).on_error

@@ -12,7 +12,7 @@ from plcgen.oracles.spec.ds47.parameters import WrittenParameter
 from plcgen.oracles.spec.ds47.statement import Source, StatedAccess
 from plcgen.oracles.spec.ds47.types import size_of, string_octets
 from plcgen.oracles.spec.ds47.values import sources_of
-from plcgen.oracles.spec.place import Keys, NotStatedError, SpecPlace, SpecSource
+from plcgen.oracles.spec.place import Keys, NotStatedError, SpecPlace, SpecSource, texts
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +23,13 @@ class SpecItem:
     settings: Mapping[str, Any]
     value: Any
     place: SpecPlace
+    fixed: bool = False
+    """Whether the kind of job names it."""
+
+    @property
+    def comments(self) -> frozenset[str] | None:
+        """What the spec says of it, in every language."""
+        return None if self.fixed else texts(self.settings.get("comment"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,11 +97,15 @@ class JobReader:
             size=size_of(parameter.type),
             output=output,
             bico=parameter.bico,
+            letter=str(parameter.facts.get("letter", "P")),
+            title=str(parameter.facts.get("title") or ""),
+            unit=str(parameter.facts.get("unit") or ""),
+            comments=item.comments,
         )
 
     def fixed(self, text: str, type_: str = "") -> SpecItem:
         """A parameter that the kind of job names, not the spec; ``type_`` if the catalogue has none."""
-        return SpecItem(text, {"type": type_} if type_ else {}, None, self.source.place(self.way))
+        return SpecItem(text, {"type": type_} if type_ else {}, None, self.source.place(self.way), fixed=True)
 
 
 def items(node: Any, source: SpecSource, way: Keys) -> Iterator[SpecItem]:

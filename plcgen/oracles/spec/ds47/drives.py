@@ -10,7 +10,7 @@ from plcgen.oracles.profidrive import LONGEST, MOST_ELEMENTS, MOST_PARAMETERS
 from plcgen.oracles.spec.ds47.parameters import StatedCatalogue
 from plcgen.oracles.spec.ds47.statement import StatedDrive
 from plcgen.oracles.spec.ds47.times import milliseconds
-from plcgen.oracles.spec.place import Keys, NotStatedError, SpecSource
+from plcgen.oracles.spec.place import Keys, NotStatedError, SpecSource, texts
 
 RECORDS = {"profibus": 47, "profinet-local": 0xB02E, "profinet-global": 0xB02F}
 """S120 Function Manual Communication 12/2018, section 3.4."""
@@ -26,6 +26,8 @@ class KnownDrive:
     stated: StatedDrive
     catalogue: StatedCatalogue
     profile: Mapping[str, Any]
+    object_type: str = ""
+    """Type of its drive object, empty if its device has one type only."""
 
     def elements(self, *, write: bool) -> int:
         """Number of elements in a request for a parameter without an index."""
@@ -56,10 +58,19 @@ def known_drives(source: SpecSource) -> dict[str, KnownDrive]:
             wait_ms=milliseconds(settings.get("wait"), WAIT_MS),
             by_size=(profile.get("answers") or {}).get("format") == "size",
             local=record == LOCAL,
+            comments=texts(entry.get("comment")),
             **_room(profile.get("limits") or {}),
         )
-        found[key] = KnownDrive(stated, StatedCatalogue(name, source.profiles, entry.get("parameters") or {}), profile)
+        catalogue = StatedCatalogue(name, source.profiles, entry.get("parameters") or {})
+        found[key] = KnownDrive(stated, catalogue, profile, _object_type(entry, profile, stated.drive_object))
     return found
+
+
+def _object_type(entry: Mapping[str, Any], profile: Mapping[str, Any], number: int) -> str:
+    """What the spec says, else by the number."""
+    types = profile.get("object_types")
+    known = "" if not types else "control_unit" if number == types["control_unit"] else types["others"]
+    return str(entry.get("object_type") or known)
 
 
 def _room(limits: Mapping[str, Any]) -> dict[str, int]:

@@ -17,6 +17,8 @@ _NUMBER = re.compile(r"[PpRr]0*(\d+)")
 NEVER_INHERITED = frozenset({"min", "max", "default", "values", "array"})
 """Facts that count only if somebody read them; from a device that this one is ``like`` they are inferred."""
 NUMBER_FACTS = frozenset({"type", "title", "unit", "access", "name", "bico"})
+DISPLAYS = frozenset({944, 945, 947, 948, 949, 964, 965, 975})
+"""PROFIdrive parameters that no device lets anybody write (OPC 30144, annex B)."""
 Facts = Mapping[str, Any]
 
 
@@ -56,14 +58,19 @@ class StatedCatalogue:
 
     def __init__(self, device: str, profiles: Mapping[str, Mapping[str, Any]], own: Mapping[str, Any]) -> None:
         self.numbers: dict[int, dict[str, Any]] = {}
-        for step, profile in reversed(list(enumerate(_chain(device, profiles)))):
+        self.called = [device]
+        for step, (name, profile) in reversed(list(enumerate(_chain(device, profiles)))):
+            self.called += [name] if step else []
             for key, facts in (profile.get("parameters") or {}).items():
                 known = self.numbers.setdefault(_number(str(key)), {})
-                known.update(_believed(facts or {}, inherited=step > 0))
+                known.update(_believed(facts or {}, inherited=step > 0), letter=_letter(str(key), facts or {}, known))
+        self.asking = {number: str(facts.get("dangerous") or "") for number, facts in self.numbers.items()}
+        self.harmless = {number for number, facts in self.numbers.items() if facts.get("harmless")}
         for key, facts in own.items():
             number = _number(str(key))
             known = self.numbers.setdefault(number, {})
-            known.update({name: value for name, value in (facts or {}).items() if value is not None})
+            letter = _letter(str(key), facts or {}, known)
+            known.update({name: value for name, value in (facts or {}).items() if value is not None}, letter=letter)
         self.names = {facts["name"]: number for number, facts in self.numbers.items() if facts.get("name")}
 
     def read(self, text: str) -> WrittenParameter:
@@ -79,7 +86,8 @@ class StatedCatalogue:
         first = int(match["first"] or 0)
         count = int(match["last"] or first) - first + 1
         bit = int(match["bit"]) if match["bit"] else None
-        return WrittenParameter(text, number, first, count, indexed, bit, self.numbers.get(number, {}))
+        known = self.numbers.get(number) or {"letter": "r" if number in DISPLAYS else "P"}
+        return WrittenParameter(text, number, first, count, indexed, bit, known)
 
 
 def _number(key: str) -> int:
@@ -89,15 +97,23 @@ def _number(key: str) -> int:
     return int(match[1])
 
 
-def _chain(device: str, profiles: Mapping[str, Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
-    """The profile, then what it is like."""
+def _letter(key: str, facts: Facts, known: Facts) -> str:
+    """``r`` of a parameter that can only be read: by its key, by what is said of its access, or in every device."""
+    if facts.get("access"):
+        return "r" if facts["access"] == "r" else "P"
+    read_only = key[:1] in "rR" or _number(key) in DISPLAYS or known.get("letter") == "r"
+    return "r" if read_only else "P"
+
+
+def _chain(device: str, profiles: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """The profile with its name, then what it is like."""
     seen: set[str] = set()
     name: str | None = device
     while name is not None and name not in seen:
         seen.add(name)
         if name not in profiles:
             raise NotStatedError(f"there is no profile {name}")
-        yield profiles[name]
+        yield name, profiles[name]
         name = profiles[name].get("like")
 
 

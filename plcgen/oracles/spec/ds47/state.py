@@ -23,7 +23,7 @@ from plcgen.oracles.spec.ds47.kinds import (
 )
 from plcgen.oracles.spec.ds47.settings import outside_signals, restores, times
 from plcgen.oracles.spec.ds47.statement import StatedJob, StatedStep, Statement, Unstated
-from plcgen.oracles.spec.place import NotStatedError, SpecSource
+from plcgen.oracles.spec.place import NotStatedError, SpecSource, texts
 
 StatesKind = Callable[[JobReader], Iterator[StatedStep]]
 """What a kind of job demands, step by step."""
@@ -59,10 +59,14 @@ class _Entry:
     job: Mapping[str, Any]
 
 
-def state_jobs(source: SpecSource, more: Mapping[str, StatesKind] = MappingProxyType({})) -> Statement:
-    """State every job; ``more`` are kinds of others by their keys."""
+def state_jobs(
+    source: SpecSource,
+    more: Mapping[str, StatesKind] = MappingProxyType({}),
+    known: Mapping[str, KnownDrive] | None = None,
+) -> Statement:
+    """State every job; ``more`` are kinds of others by their keys, ``known`` the drives if they were read before."""
     kinds = {**more, **SHIPPED}
-    drives = known_drives(source)
+    drives = known_drives(source) if known is None else known
     jobs: list[StatedJob] = []
     unstated: list[Unstated] = []
     for key, job in (source.data.get("jobs") or {}).items():
@@ -111,6 +115,7 @@ def job_on_drives(
             restore=restore,
             verify=entry.job.get("verify") == "readback",
             several=several,
+            comments=texts(entry.job.get("comment")),
             **_of_kind(entry, source),
         )
 

@@ -36,6 +36,7 @@ class StatedDrive:
     most_parameters: int = 39
     most_elements: int = 234
     """Of a telegram: bytes each way, parameters, elements of a parameter."""
+    comments: frozenset[str] = frozenset()
 
     def __str__(self) -> str:
         where = f"{self.identifier}{' (outputs)' if self.output else ''}"
@@ -93,7 +94,8 @@ class StatedAccess:
     ``indexed`` is whether the spec names an index; without one a request carries as many ``elements`` as the device
     expects. ``type`` is the type on the wire, of ``size`` bytes; the octets of a string are its elements. ``values``
     are as many as ``count``; of a word of which only bits are written, ``bits`` has them and ``values`` is empty.
-    ``output`` is what shows the value.
+    ``output`` is what shows the value. ``letter``, ``title`` and ``unit`` are what documents call the parameter,
+    ``comments`` what the spec says of it in its languages; None if the kind of job names the parameter.
     """
 
     place: SpecPlace
@@ -110,6 +112,10 @@ class StatedAccess:
     bits: tuple[tuple[int, Source], ...] = ()
     output: str = ""
     bico: bool = False
+    letter: str = "P"
+    title: str = ""
+    unit: str = ""
+    comments: frozenset[str] | None = None
 
     @property
     def string(self) -> bool:
@@ -219,6 +225,7 @@ class StatedJob:
     several: bool = False
     """Whether the job has a list of drives."""
     listing: StatedList | None = None
+    comments: frozenset[str] = frozenset()
 
     def text(self) -> str:
         """The sentence for a reader."""

@@ -14,7 +14,7 @@ from itertools import islice
 from math import ceil
 from typing import Any
 
-from plcgen.oracles.spec.place import Keys, NotStatedError
+from plcgen.oracles.spec.place import Keys, NotStatedError, texts
 from plcgen.oracles.spec.ppi.stations import AREAS, ELEMENTS, READ, RUN, STOP, WRITE, Extent, Number, to_bytes
 
 Texts = Mapping[str, bytes]
@@ -41,9 +41,9 @@ SERVICES = {"read": READ, "write": WRITE, "run": RUN, "stop": STOP}
 class StatedAddress:
     """One address of a job.
 
-    ``name`` is what the spec calls it: ``given`` as the member itself (``as``), else a symbol or an address. ``kind``
-    is the S7 type of each of ``count`` elements (0: no array), at ``places``. ``constant`` and ``start`` are numbers,
-    None where the spec has none.
+    ``name`` is what the spec calls it: ``given`` as the member itself (``as``), else ``label``, a symbol or an address.
+    ``kind`` is the S7 type of each of ``count`` elements (0: no array), at ``places``. ``constant`` and ``start`` are
+    numbers, None where the spec has none.
     """
 
     text: str
@@ -55,6 +55,8 @@ class StatedAddress:
     constant: Number | None
     start: Number
     path: Keys
+    label: str = ""
+    comments: frozenset[str] = frozenset()
 
     @property
     def whole(self) -> Extent:
@@ -80,6 +82,7 @@ class PpiStatement:
     merged: bool
     flags: Mapping[str, str]
     path: Keys
+    comments: frozenset[str] = frozenset()
 
     @property
     def inputs(self) -> tuple[StatedAddress, ...]:
@@ -111,6 +114,7 @@ class StatedPort:
     polls: int
     poll_pause: int
     path: Keys
+    comments: frozenset[str] = frozenset()
 
     @property
     def classic(self) -> bool:
@@ -162,6 +166,7 @@ def stated_ports(spec: Mapping[str, Any], files: Texts) -> Iterator[StatedPort]:
             polls=int(said.get("polls", POLLS)),
             poll_pause=_ms(said.get("poll_pause"), POLL_PAUSE),
             path=path,
+            comments=texts(said.get("comment")),
         )
 
 
@@ -194,6 +199,7 @@ def _job(key: str, said: Mapping[str, Any], station: int, symbols: Mapping[str, 
         merged=bool(said.get("merge", True)),
         flags={"execute": trigger} if isinstance(trigger, str) else {k: v for k, v in trigger.items() if v},
         path=path,
+        comments=texts(said.get("comment")),
     )
 
 
@@ -215,9 +221,12 @@ def _value(said: Mapping[str, Any], symbols: Mapping[str, str], path: Keys) -> S
     places, default, count = _places(symbol or text)
     kind = str(said.get("type") or default).upper()
     constant, start = (_number(said.get(key), kind) for key in ("value", "start"))
-    name = said.get("as") or (text if symbol else _standard_name(text))
+    label = text if symbol else _standard_name(text)
     begins = start if start is not None else ord(" ") if kind == "CHAR" else 0
-    return StatedAddress(text, str(name), bool(said.get("as")), kind, count, places, constant, begins, path)
+    name = said.get("as")
+    said_of = texts(said.get("comment"))
+    own = str(name or label), bool(name)
+    return StatedAddress(text, *own, kind, count, places, constant, begins, path, label, said_of)
 
 
 def _number(said: Any, kind: str) -> Number | None:

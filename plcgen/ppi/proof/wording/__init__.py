@@ -1,7 +1,7 @@
 """What documents of PPI masters say: every text, number and name, from telegrams on disk and the spec.
 
-A second statement: nothing here is asked of what writes the documents. Whether the telegrams are those of the spec is
-found out elsewhere.
+A second statement: nothing here is asked of what writes the documents. Whether the accesses that the plan has are those
+of the spec is found out first (:mod:`.grounds`); whether the telegrams are, elsewhere.
 """
 
 from __future__ import annotations
@@ -11,8 +11,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
 
+from plcgen.base.diagnostics import Diagnostic
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue
 from plcgen.ppi.proof.wording import guide
+from plcgen.ppi.proof.wording.grounds import groundless
 from plcgen.ppi.proof.wording.meanings import asked_items, called, holds, of_answer, of_table
 from plcgen.project.nouns import PlannedJob
 from plcgen.proof.wording.comments import EMPTY
@@ -249,6 +251,10 @@ class PpiWording:
     def guide(self) -> tuple[list[GuideLine], list[GuideLine]]:
         """Parts of the import guide before and behind the order, line by line."""
         return guide.guide_before(self.plan), []
+
+    def groundless(self) -> Iterator[Diagnostic]:
+        """Where the plan that texts are held against is not what the spec demands."""
+        return groundless(self.plan)
 
     def manifest(self) -> dict[str, object]:
         """What the manifest says of the masters."""

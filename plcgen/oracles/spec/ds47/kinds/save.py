@@ -28,6 +28,11 @@ def _persist(given: Any) -> str:
     return str(given["persist"] if isinstance(given, Mapping) else given)
 
 
+def command(given: Any) -> str:
+    """The parameter that is written."""
+    return NUMBERS[_persist(given)]
+
+
 def settings(given: Any) -> Mapping[str, Any]:
     """The keys of the long form."""
     return given if isinstance(given, Mapping) else {}
@@ -48,7 +53,7 @@ def save_steps_of(job: JobReader, given: Any) -> Iterator[StatedStep]:
     if not saves(given):
         return
     own = settings(given)
-    item = replace(job.fixed(NUMBERS[_persist(given)]), value=own.get("setting") or 1)
+    item = replace(job.fixed(command(given)), value=own.get("setting") or 1)
     yield StatedStep("saves", (job.writes(item),), once=True)
     yield StatedStep(
         "asks whether it has saved",
