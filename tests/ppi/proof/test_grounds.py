@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from projects import ROOT
 
 from plcgen.ppi.plan.nouns import PpiPlan
 from plcgen.ppi.proof.wording.grounds import groundless
 from plcgen.project.opening import open_spec
+from tests.projects import ROOT
 
 SPEC = ROOT / "specs/s7-1200_s7-200_ppi.yaml"
 
