@@ -42,8 +42,8 @@ pairs: $(READY)
 # Proves every engine there is, for every target in every size, and records it: after a change of its templates.
 engine: $(READY)
 	@rm -rf .engine && mkdir .engine
-	$(BIN)/python -m tests.ds47.engine_folders .engine > .engine/list
-	$(BIN)/python -m plcgen.ds47.proof.engine $(EFFORT) `grep S$$ .engine/list` `grep -v S$$ .engine/list`
+	$(BIN)/python -m tests.engine.folders .engine > .engine/list
+	$(BIN)/python -m tests.engine $(EFFORT) `grep S$$ .engine/list` `grep -v S$$ .engine/list`
 
 mutate: $(READY)
 	$(BIN)/python -m tests.mutation

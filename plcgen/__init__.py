@@ -36,7 +36,6 @@ if TYPE_CHECKING:
         schema,
         simulate,
         verify,
-        verify_shard,
     )
     from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Note, PlcgenError, Severity, Span
 
@@ -74,7 +73,6 @@ __all__ = [
     "schema",
     "simulate",
     "verify",
-    "verify_shard",
 ]
 
 _DIAGNOSTICS = frozenset({"Diagnostic", "DiagnosticError", "Note", "PlcgenError", "Severity", "Span"})

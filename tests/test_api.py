@@ -44,7 +44,6 @@ PUBLIC = [
     "schema",
     "simulate",
     "verify",
-    "verify_shard",
 ]
 
 
@@ -108,7 +107,6 @@ def test_nothing_is_printed(tmp_path, capsys):
     ("call", "words"),
     [
         (lambda: plcgen.verify("x.yaml", faults="Full"), "faults is 'Full'; allowed: none, quick, full"),
-        (lambda: plcgen.verify_shard("x.yaml", "1/2", faults="fast"), "faults is 'fast'"),
         (lambda: plcgen.verify("x.yaml", oracle="wireshark"), "oracle is 'wireshark'; allowed: tshark"),
         (lambda: plcgen.convert("x.scl", to="docx", out="y"), "to is 'docx'; allowed: scl, xml"),
         (lambda: plcgen.convert("x.scl", to="xml", out="y", version="V99"), "version is 'V99'; allowed: V14 SP1"),
@@ -117,7 +115,6 @@ def test_nothing_is_printed(tmp_path, capsys):
         (lambda: plcgen.decode_status(-1), "-1 is not a STATUS double word"),
         (lambda: plcgen.decode_status(1 << 32), "4294967296 is not a STATUS double word"),
         (lambda: plcgen.schema("specs"), "specs"),
-        (lambda: plcgen.verify_shard("x.yaml", "3/2"), "a shard is one of"),
     ],
 )
 def test_a_word_that_an_argument_does_not_know(call, words):

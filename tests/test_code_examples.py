@@ -55,9 +55,6 @@ BEFORE = {
     "PG508": "cp press4.yaml a.yaml; cp press4.yaml b.yaml",
     "PG613": "cp Motor.scl mine.scl; mkdir elsewhere",
     "PG624": "plcgen generate job.yaml; mkdir -m 777 everybody; mkdir -m 700 own",
-    "PG625": "plcgen generate job.yaml; plcgen verify job.yaml --shard 1/3 --output 1.json;"
-    "plcgen verify job.yaml --shard 3/3 --output 3.json",
-    "PG625 good": "plcgen verify job.yaml --shard 2/3 --output 2.json",
     "PG630": "mkdir -p old/plc plc; cp Motor.db old; cp Motor.db types/Motor.udt old/plc; cp -r old/plc .",
     "PG630 bad": "sed -i s/main/first/ Motor.db",
     "PG631": "mkdir old new; cp Motor.db types/Motor.udt old; cp Motor.db types/Motor.udt new",

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
         review,
         simulate,
         verify,
-        verify_shard,
     )
     from plcgen.api.schemas import schema
     from plcgen.api.sources import SPEC_SUFFIXES, ConvertResult, audit, check_lock, convert, diff, layout, lock
@@ -65,7 +64,6 @@ __all__ = [
     "schema",
     "simulate",
     "verify",
-    "verify_shard",
 ]
 
 _SOURCES = frozenset({"SPEC_SUFFIXES", "ConvertResult", "audit", "check_lock", "convert", "diff", "layout", "lock"})

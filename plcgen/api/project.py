@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from plcgen.project.target import Target
     from plcgen.proof import Asked, Means
     from plcgen.proof.checks import Verification
-    from plcgen.proof.shards import ShardResult
     from plcgen.report.review.model import Review
     from plcgen.report.trace.model import Trace
 
@@ -251,24 +250,20 @@ def verify(
     *,
     drive: Path | str | None = None,
     faults: Faults = "quick",
-    engine: bool = False,
     oracle: Literal["tshark"] | None = None,
     strict: bool = False,
     progress: Progress | None = None,
     executor: Executor | None = None,
     scheduler: str | None = None,
     cache: Path | str | None = None,
-    shards: Sequence[Path | str] = (),
 ) -> Verification:
     """Verify what lies in a folder against its spec, DS47 and a simulated drive (optionally from a drive file).
 
-    The generated SCL is executed; ``faults`` is how much of the fault matrix runs. The engine of drive jobs is known by
-    its hash; ``engine`` runs its proof all the same. ``oracle`` asks Wireshark about every telegram,
-    ``strict`` makes errors of what is not known.
+    The generated SCL is executed; ``faults`` is how much of the fault matrix runs. ``oracle`` asks Wireshark about
+    every telegram, ``strict`` makes errors of what is not known.
 
     The parts of the execution run on ``executor``, or on the Dask cluster of a ``scheduler``, else in processes of this
-    machine; ``cache`` is a folder of verdicts of the user's own, ``shards`` are the files of :func:`verify_shard`,
-    all of them.
+    machine; ``cache`` is a folder of verdicts of the user's own.
 
     Raises:
         ArgumentError: if ``faults`` or ``oracle`` is another word.
@@ -283,11 +278,10 @@ def verify(
         _folder(spec, folder),
         Path(drive) if drive is not None else None,
         faults,
-        engine,
         oracle == "tshark",
     )
     kept = Path(cache) if cache is not None else None
-    means = Means(executor, kept, tuple(map(Path, shards)))
+    means = Means(executor, kept)
     found = run(asked, progress, means) if scheduler is None else _on_cluster(scheduler, asked, progress, means)
     return replace(found, diagnostics=hardened(found.diagnostics)) if strict else found
 
@@ -304,34 +298,6 @@ def _on_cluster(scheduler: str, asked: Asked, progress: Progress | None, means: 
     except DiagnosticError as problem:
         return Verification(str(asked.spec), str(asked.folder), "", "", (), tuple(problem.diagnostics))
     return replace(found, diagnostics=(*found.diagnostics, *lost))
-
-
-def verify_shard(
-    spec: Path | str,
-    shard: str,
-    folder: Path | str | None = None,
-    *,
-    faults: Faults = "quick",
-    engine: bool = False,
-    progress: Progress | None = None,
-    executor: Executor | None = None,
-    cache: Path | str | None = None,
-) -> ShardResult:
-    """Execute one of several equal shares of what :func:`verify` executes: ``shard`` is ``3/10`` for the third of ten.
-
-    What it returns goes to a file as ``data()``; :func:`verify` with the files of all ``shards`` does the rest.
-
-    Raises:
-        ArgumentError: if there is no such shard, or ``faults`` is another word.
-    """
-    from plcgen.proof import Asked, Means
-    from plcgen.proof import verify_shard as run
-    from plcgen.proof.shards import parse_shard
-
-    expect("faults", faults, FAULTS)
-    asked = Asked(Path(spec), _folder(spec, folder), None, faults, engine)
-    kept = Path(cache) if cache is not None else None
-    return run(asked, parse_shard(shard), progress, Means(executor, kept))
 
 
 def simulate(

@@ -38,7 +38,6 @@ class VerifySection(StrictModel):
     """Options of ``verify``, and of the verification in ``review``."""
 
     faults: Faults | None = Field(None, description="how many faults the generated SCL runs through")
-    engine: bool | None = Field(None, description="run the proof of the drive engine, even if the engine is known")
     oracle: Literal["tshark"] | None = Field(None, description="also check every telegram with Wireshark's dissector")
     cache: Annotated[Literal["off"], BeforeValidator(_no_folder)] | None = Field(
         None, description="off: no verdict is taken from a cache, or kept"
@@ -157,7 +156,7 @@ def defaults(config: Config, folder: Path, verb: str) -> dict[str, Any]:
     if verb in {"verify", "review"}:
         found["faults"] = config.verify.faults
     if verb == "verify":
-        found |= {"engine": config.verify.engine, "oracle": config.verify.oracle}
+        found |= {"oracle": config.verify.oracle}
         found["cache"] = None if config.verify.cache is None else Path(config.verify.cache)
     if verb in {"diff", "lock"}:
         section = config.diff if verb == "diff" else config.lock

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -31,31 +30,16 @@ if TYPE_CHECKING:
     "plcgen verify job.yaml",
     "plcgen verify machines/",
     "plcgen verify job.yaml --drive press3.yaml",
-    "plcgen verify job.yaml --faults full --engine",
+    "plcgen verify job.yaml --faults full",
     "plcgen verify job.yaml --format junit --output verify.xml",
-    "plcgen verify job.yaml --shard 3/10 --output shards/3.json",
-    "plcgen verify job.yaml --merge shards",
 )
 @click.argument("paths", nargs=-1, type=PATH, metavar="SPEC|FOLDER...")
 @folder_option("Generated folder")
 @click.option("--drive", type=PATH, metavar="FILE", help="Drive file that describes a drive of your own.")
 @faults_option()
-@click.option("--engine", is_flag=True, help="Run the proof of the drive engine, even if the engine is known.")
 @click.option("--oracle", type=click.Choice(["tshark"]), help="Also check every telegram with Wireshark's dissector.")
 @click.option("--cache", type=PATH, metavar="DIR", help="Where verdicts are kept.  [default: the user's cache folder]")
 @click.option("--no-cache", is_flag=True, help="Run everything, and store no verdicts.")
-@click.option(
-    "--shard",
-    metavar="N/ALL",
-    help="Execute only this share of the work (3/10: the third of ten), and write its result.",
-)
-@click.option(
-    "--merge",
-    type=PATH,
-    multiple=True,
-    metavar="FILE|DIR",
-    help="Merge the results of all shards instead of executing anything.",
-)
 @click.option("--scheduler", metavar="ADDRESS", help="Execute on a Dask cluster, such as tcp://host:8786.")
 @click.option("--ledger", is_flag=True, help="List everything the result rests on, with its source.")
 @strict_option
@@ -68,12 +52,9 @@ def command(
     folder: Path | None,
     drive: Path | None,
     faults: Faults,
-    engine: bool,
     oracle: Literal["tshark"] | None,
     cache: Path | None,
     no_cache: bool,
-    shard: str | None,
-    merge: tuple[Path, ...],
     scheduler: str | None,
     ledger: bool,
     strict: bool,
@@ -93,23 +74,13 @@ def command(
     specs = find_specs(paths)
     one_folder(specs, folder)
     kept = None if no_cache else _cache(cache)
-    if shard is not None or merge:
-        _one_spec(specs, "--shard" if shard is not None else "--merge")
-    if shard is not None:
-        _only(shard=merge or scheduler or drive or oracle)
-        if format_.name not in {"text", "json"}:
-            raise click.UsageError(
-                f"the result of a shard is JSON, not {format_.name}: --format is for the run that merges"
-            )
-        return _shard(specs[0], folder, shard, faults, kept, output, engine=engine)
-    shards = tuple(_shards(merge))
     found = []
     for spec in specs:
         with out.progress() as progress:
             target = folder or default_folder(spec)
             result = api.verify(
-                spec, target, drive=drive, faults=faults, engine=engine, oracle=oracle, strict=strict,
-                progress=progress, scheduler=scheduler, cache=kept, shards=shards,
+                spec, target, drive=drive, faults=faults, oracle=oracle, strict=strict,
+                progress=progress, scheduler=scheduler, cache=kept,
             )  # fmt: skip
         found.append(result)
     if len(found) == 1:
@@ -124,59 +95,3 @@ def _cache(given: Path | None) -> Path | None:
     if given is None:
         return chosen_folder()
     return None if str(given).lower() in OFF else given
-
-
-def _one_spec(specs: list[Path], option: str) -> None:
-    if len(specs) > 1:
-        raise click.UsageError(f"{option} is for one spec, not for {len(specs)}")
-
-
-def _only(*, shard: object) -> None:
-    if shard:
-        raise click.UsageError(
-            "--drive, --oracle, --merge and --scheduler are for the run that merges, not for a shard"
-        )
-
-
-def _shard(
-    spec: Path,
-    folder: Path | None,
-    shard: str,
-    faults: Faults,
-    cache: Path | None,
-    output: Path | None,
-    *,
-    engine: bool,
-) -> int:
-    """Execute one share; what it gave is JSON."""
-    from plcgen import api
-    from plcgen.base.display.data import dump
-
-    out = console()
-    with out.progress() as progress:
-        try:
-            found = api.verify_shard(
-                spec,
-                shard,
-                folder or default_folder(spec),
-                faults=faults,
-                engine=engine,
-                progress=progress,
-                cache=cache,
-            )
-        except ValueError as problem:
-            raise click.BadParameter(str(problem), param_hint="--shard") from None
-    out.complain(found.diagnostics)
-    if found.unusable:
-        return 1
-    out.result(dump(found.data()), output)
-    return 0 if found.ok else 1
-
-
-def _shards(named: tuple[Path, ...]) -> Iterator[Path]:
-    """Files of shards, and of each folder those in it."""
-    for path in named:
-        below = sorted(path.glob("*.json")) if path.is_dir() else [path]
-        if not below:
-            raise click.UsageError(f"there is no shard file (*.json) in {path}")
-        yield from below

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from plcgen.project.nouns import Project
     from plcgen.proof.cache import VerdictCache
     from plcgen.proof.rig import ProgramBench
-    from plcgen.proof.shards import ShardResult
-    from plcgen.proof.sharing import Shard, Sharing
+    from plcgen.proof.sharing import Sharing
     from plcgen.proof.suite import Proof
 
 Progress = Callable[[str, int, int], None]
@@ -31,13 +30,12 @@ Progress = Callable[[str, int, int], None]
 class Means:
     """What a verification is done with.
 
-    ``executor`` None are processes of this machine; ``cache`` is a folder of verdicts, None if nothing is kept;
-    ``shards`` are the files of all shards. ``notes`` gets what happened on the way.
+    ``executor`` None are processes of this machine; ``cache`` is a folder of verdicts, None if nothing is kept.
+    ``notes`` gets what happened on the way.
     """
 
     executor: Executor | None = None
     cache: Path | None = None
-    shards: Sequence[Path] = ()
     notes: list[Diagnostic] = field(default_factory=list)
 
 
@@ -45,15 +43,14 @@ class Means:
 class Asked:
     """What is to be verified, and how much of it; ``drive`` replaces the profile's simulated drive.
 
-    ``faults`` is how much of the fault matrix the generated SCL runs through. ``engine`` runs the blocks that are the
-    same in every project even if they are known to hold, ``dissector`` sends the telegrams through ``tshark``.
+    ``faults`` is how much of the fault matrix the generated SCL runs through, ``dissector`` sends the telegrams through
+    ``tshark``.
     """
 
     spec: Path
     folder: Path
     drive: Path | None = None
     faults: Faults = "quick"
-    engine: bool = False
     dissector: bool = False
 
 
@@ -65,35 +62,6 @@ def verify(asked: Asked, progress: Progress | None = None, means: Means | None =
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
     return Verification(str(asked.spec), str(asked.folder), "", "", (), tuple(report))
-
-
-def verify_shard(
-    asked: Asked, shard: Shard, progress: Progress | None = None, means: Means | None = None
-) -> ShardResult:
-    """Execute one of several equal shares of the parts; all else is left to whoever merges the shards."""
-    from plcgen.proof.execution import check_execution
-    from plcgen.proof.shards import ShardResult
-    from plcgen.proof.sharing import ElsewhereError
-
-    report, share, inputs = Report(), None, "0" * 64
-    try:
-        project = _opened(asked, report)
-        inputs = _inputs(asked, project)
-        share, _ = _sharing(asked, project, progress, means or Means(), shard)
-        checks = check_execution(project, asked.folder, asked.faults, share, engine=asked.engine)
-        while True:
-            try:
-                found = next(checks, None)
-            except ElsewhereError:
-                break
-            if found is None:
-                break
-            if found.id == "execution.scl" and found.diagnostic is not None:
-                report.add(found.diagnostic)
-    except DiagnosticError as problem:
-        report.extend(problem.diagnostics)
-    parts = dict(share.parts) if share is not None else {}
-    return ShardResult(str(asked.spec), str(asked.folder), shard, inputs, parts, tuple(report))
 
 
 def _opened(asked: Asked, report: Report) -> Project:
@@ -108,16 +76,12 @@ def _opened(asked: Asked, report: Report) -> Project:
     return project
 
 
-def _sharing(
-    asked: Asked, project: Project, progress: Progress | None, means: Means, shard: Shard | None = None
-) -> tuple[Sharing, VerdictCache | None]:
+def _sharing(asked: Asked, progress: Progress | None, means: Means) -> tuple[Sharing, VerdictCache | None]:
     """How the parts are run."""
-    from plcgen.proof.shards import merge_shards
     from plcgen.proof.sharing import Sharing
 
     cache = _cache(asked, means)
-    given = merge_shards(means.shards, _inputs(asked, project), asked.folder) if means.shards else None
-    return Sharing(means.executor, None, cache, shard, given, progress, notes=means.notes), cache
+    return Sharing(means.executor, None, cache, progress, means.notes), cache
 
 
 def _cache(asked: Asked, means: Means) -> VerdictCache | None:
@@ -135,15 +99,6 @@ def _cache(asked: Asked, means: Means) -> VerdictCache | None:
         means.notes.append(Diagnostic("PG624", message, Span(str(means.cache)), Severity.WARNING, help=help_))
         return None
     return cache
-
-
-def _inputs(asked: Asked, project: Project) -> str:
-    from plcgen.proof.dependence import key_of
-    from plcgen.proof.fingerprint import fingerprint
-    from plcgen.proof.shards import inputs_digest
-
-    things = (fingerprint(), project.loaded.text, key_of(project.plans), asked.faults, asked.engine)
-    return inputs_digest(things, asked.folder)
 
 
 def stated_group(proofs: Sequence[Proof], bench: ProgramBench) -> list[CheckGroup]:
@@ -177,7 +132,7 @@ def _verify(asked: Asked, progress: Progress | None, means: Means, report: Repor
     from plcgen.proof.versions import check_versions
 
     project, folder, partner = _opened(asked, report), asked.folder, asked.drive
-    share, cache = _sharing(asked, project, progress, means)
+    share, cache = _sharing(asked, progress, means)
     place = Span(str(folder))
     files = read_folder(folder, project.target, progress)
     proofs = [plan.protocol.proof(plan) for plan in project.plans]
@@ -201,7 +156,7 @@ def _verify(asked: Asked, progress: Progress | None, means: Means, report: Repor
     del files
     bench = ProgramBench(project, folder)
     groups += stated_group(proofs, bench)
-    executed = check_execution(project, folder, asked.faults, share, partner=partner, engine=asked.engine, bench=bench)
+    executed = check_execution(project, folder, asked.faults, share, partner=partner, bench=bench)
     groups.append(CheckGroup("execution", "Execution", tuple(executed)))
     if cache is not None:
         cache.close()

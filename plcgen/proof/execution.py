@@ -86,21 +86,17 @@ def check_execution(
     share: Sharing | None = None,
     partner: Path | None = None,
     *,
-    engine: bool = False,
     bench: ProgramBench | None = None,
 ) -> Iterator[Check]:
     """Run every job of the files on disk; ``share`` None uses every core, ``bench`` has the program if it is read.
 
-    ``partner`` is the user's file of a partner: every job runs once against it too. ``engine`` runs what is the same in
-    every project even if it is known to hold.
+    ``partner`` is the user's file of a partner: every job runs once against it too.
     """
-    checks = _executed(bench or ProgramBench(project, folder), level, share or Sharing(), partner, engine=engine)
+    checks = _executed(bench or ProgramBench(project, folder), level, share or Sharing(), partner)
     return make_checks(checks, "execution", Span(str(folder)))
 
 
-def _executed(
-    bench: ProgramBench, level: Faults, share: Sharing, partner: Path | None, *, engine: bool
-) -> Iterator[Check | Pending]:
+def _executed(bench: ProgramBench, level: Faults, share: Sharing, partner: Path | None) -> Iterator[Check | Pending]:
     project, folder = bench.project, bench.folder
     place = Span(str(folder))
     work = Work(bench, level)
@@ -110,15 +106,14 @@ def _executed(
         first = problem.diagnostics[0]
         yield Check("execution.scl", "sources", "SCL in the simulated CPU", Outcome.ERROR, first.message, first)
         return
-    if level != "none" or engine:
-        for plan in project.plans:
-            checks = partial(plan.protocol.proof(plan).foundation, folder, run=engine, share=share)
-            yield Pending("engine", "engine", lambda: place, checks)
     if level != "none":
+        for plan in project.plans:
+            checks = partial(plan.protocol.proof(plan).foundation, folder)
+            yield Pending("engine", "engine", lambda: place, checks)
         yield Pending("execution.idle", "idle scan", lambda: place, partial(idle_check, program))
     every: list[Result] = []
     one = Sharing(workers=1, progress=share.progress) if level == "none" and share.plain else share
-    found = iter(one.results("execution", work, len(work.parts), part_keys(work)))
+    found = iter(one.results(work, len(work.parts), part_keys(work)))
     for number, suite in enumerate(work.suites):
         results = {job.key: next(found) for job in suite.jobs}
         for job in suite.jobs:

@@ -1,4 +1,4 @@
-"""How the parts of a verification are run: on which executor, which of them, and which need not run again.
+"""How the parts of a verification are run: on which executor, and which need not run again.
 
 Every part is a call of a picklable task with a number. What it gives depends on nothing but the task, so that it does
 not matter who calls it, in which order, or when.
@@ -10,13 +10,13 @@ import contextlib
 import hashlib
 import pickle
 import threading
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future
 from dataclasses import dataclass, field
 from queue import SimpleQueue
 from typing import Protocol
 
-from plcgen.base.diagnostics import Diagnostic, DiagnosticError, PlcgenError, Severity, Span
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.proof.fingerprint import fingerprint
 from plcgen.proof.results import Result
 from plcgen.proof.workers import Workers, cores, possible
@@ -37,55 +37,31 @@ class Verdicts(Protocol):
         """Something new."""
 
 
-class ElsewhereError(PlcgenError):
-    """The other parts are run elsewhere: nothing can be said here."""
-
-
-@dataclass(frozen=True, slots=True)
-class Shard:
-    """One of several runs that share the parts out: ``number`` from 1 to ``of``."""
-
-    number: int
-    of: int
-
-    def __str__(self) -> str:
-        return f"{self.number}/{self.of}"
-
-
 @dataclass
 class Sharing:
     """``executor`` None are processes of this machine, ``workers`` how many (None: one a core).
 
-    ``verdicts`` is a cache; with ``shard`` only its parts are run, and left in ``parts``; ``given`` are the parts of
-    all shards. ``notes`` is what happened on the way.
+    ``verdicts`` is a cache, ``notes`` is what happened on the way.
     """
 
     executor: Executor | None = None
     workers: int | None = None
     verdicts: Verdicts | None = None
-    shard: Shard | None = None
-    given: Mapping[str, Result] | None = None
     progress: Progress | None = None
-    parts: dict[str, Result] = field(default_factory=dict)
     notes: list[Diagnostic] = field(default_factory=list)
-    _numbered: int = 0
 
     @property
     def plain(self) -> bool:
         """Whether nothing is asked of it but to run everything on this machine."""
-        return self.executor is None and self.verdicts is None and self.shard is None and self.given is None
+        return self.executor is None and self.verdicts is None
 
-    def results(self, name: str, task: Task, total: int, keys: Callable[[int], str] | None = None) -> Sequence[Result]:
+    def results(self, task: Task, total: int, keys: Callable[[int], str] | None = None) -> Sequence[Result]:
         """Results of ``task(0)`` to ``task(total - 1)``, in order; ``keys`` are what they depend on, "" is unknown.
 
         Raises:
-            DiagnosticError: of the task; PG623 if workers are lost again and again; PG625 if a shard lacks a part.
-            ElsewhereError: if this is a shard: its own parts are in ``parts`` then.
+            DiagnosticError: of the task; PG623 if workers are lost again and again.
         """
-        if self.given is not None:
-            return self._merged(name, total, self.given)
-        wanted = [index for index in range(total) if self._is_mine(index)]
-        self._numbered += total
+        wanted = range(total)
         found: dict[int, Result] = {}
         known = {index: keys(index) for index in wanted} if self.verdicts is not None and keys is not None else {}
         for index, key in known.items():
@@ -96,23 +72,7 @@ class Sharing:
         for index, key in known.items():
             if key and not found[index].made and self.verdicts is not None:
                 self.verdicts.keep(key, found[index])
-        if self.shard is not None:
-            self.parts |= {part_name(name, index): found[index] for index in wanted}
-            raise ElsewhereError
         return [found[index] for index in range(total)]
-
-    def _is_mine(self, index: int) -> bool:
-        return self.shard is None or (self._numbered + index) % self.shard.of == self.shard.number - 1
-
-    @staticmethod
-    def _merged(name: str, total: int, given: Mapping[str, Result]) -> list[Result]:
-        names = [part_name(name, index) for index in range(total)]
-        missing = [each for each in names if each not in given]
-        if missing:
-            message = f"{len(missing)} of {total} parts of {name} are in no shard"
-            help_ = "run the missing shards, with the same files and options"
-            raise DiagnosticError([Diagnostic("PG625", message, Span(""), help=help_)])
-        return [given[each] for each in names]
 
     # --- running --------------------------------------------------------------------------------------
 
@@ -180,11 +140,6 @@ class Sharing:
     def _tell(self, done: int, total: int) -> None:
         if self.progress is not None:
             self.progress("execute", done, total)
-
-
-def part_name(name: str, index: int) -> str:
-    """Name of a part, in the files of shards."""
-    return f"{name} {index}"
 
 
 # --- for an executor that may be anywhere ---------------------------------------------------------------------

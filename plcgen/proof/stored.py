@@ -1,4 +1,4 @@
-"""Results as JSON, for caches and shards; names of files do not depend on where the folder lies."""
+"""Results as JSON, for caches; names of files do not depend on where the folder lies."""
 
 from __future__ import annotations
 

@@ -17,7 +17,6 @@ from plcgen.proof.folder import Folder
 from plcgen.proof.ledger import Assumption
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Scenario, Statistics
-from plcgen.proof.sharing import Sharing
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.program import Program
 
@@ -177,7 +176,7 @@ class Proof(Protocol):
     def telegrams(self, folder: Folder) -> Iterator[Check]:
         """Start values against the spec and the standard."""
 
-    def foundation(self, folder: Path, *, run: bool, share: Sharing) -> Iterator[Check]:
+    def foundation(self, folder: Path) -> Iterator[Check]:
         """What is the same in every project and known by its hash; ``run`` executes it even if it is known."""
 
     def exchanges(self, folder: Folder, partner: Path | None, progress: Progress | None) -> CheckGroup | None:

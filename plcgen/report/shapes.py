@@ -227,17 +227,6 @@ READING = record(
 )  # fmt: skip
 
 
-def _shard() -> Shape:
-    failure = record(scenario=TEXT, scan=NUMBER, message=TEXT, file=TEXT, line=NUMBER, stopped=FLAG)
-    statistics = record(runs=NUMBER, scans=NUMBER, longest=NUMBER, hangs=NUMBER, transitions=many(many(NUMBER)))
-    part = record(
-        run=TEXT, values=TEXT, matrix=TEXT, failures=many(failure), statistics=statistics,
-        trials=many(record(scenario=TEXT, scans=NUMBER, ok=FLAG)), counts=_table(many(NUMBER)), broken=FLAG, made=TEXT,
-    )  # fmt: skip
-    keys = {"inputs": SHA256, "shard": NUMBER, "of": NUMBER, "parts": _table(part)}
-    return _headed("shard", keys)
-
-
 def _catalogue() -> Shape:
     fact = record(value=ANYTHING, grade=TEXT)
     parameter = record(
@@ -303,7 +292,6 @@ def _results() -> dict[str, Shape]:
         "ppi write": _headed("ppi write", FOUND, {"values": many(READING)}),
         "requests": _headed("requests", {**FOUND, "telegrams": many(record(job=TEXT, block=TEXT, **row))}),
         "review": _review(),
-        "shard": _shard(),
         "status": _headed(
             "status",
             {

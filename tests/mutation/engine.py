@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from plcgen.ds47.proof.engine.checks import EngineWork, Piece, run_faults
-from plcgen.ds47.proof.engine.errands import READ_ONE, TRIGGER, WRITE_ONE
-from plcgen.ds47.proof.engine.sources import DriveEngine
 from plcgen.proof.scenario import Failure
 from plcgen.s7.read.generated import generated_sources
 from plcgen.s7.scl.dialect import Dialect
+from tests.engine.checks import EngineWork, Piece, run_faults
+from tests.engine.errands import READ_ONE, TRIGGER, WRITE_ONE
+from tests.engine.sources import DriveEngine
 
 FILES = ("DriveChannel", "DriveTicket", "DriveGate")
 """The blocks that all projects of a target share."""

@@ -27,7 +27,7 @@ from tests.projects import FAQ, ROOT
 
 
 def shared_out(task: Any, total: int, progress: Any = None, workers: int | None = None) -> Sequence[Any]:
-    return Sharing(workers=workers, progress=progress).results("test", task, total)
+    return Sharing(workers=workers, progress=progress).results(task, total)
 
 
 posix = pytest.mark.skipif(os.name != "posix", reason="signals")
@@ -146,7 +146,7 @@ def test_a_lost_worker_is_replaced_and_told(start: Callable[[], object], tmp_pat
     """Its part is done again by another one: all results are there, and a warning."""
     share = Sharing(workers=2)
     with start():
-        assert share.results("test", partial(killed_once, place=tmp_path / "dead"), 6) == [0, 1, 2, 3, 4, 5]
+        assert share.results(partial(killed_once, place=tmp_path / "dead"), 6) == [0, 1, 2, 3, 4, 5]
     (found,) = share.notes
     assert (found.code, found.severity.label) == ("PG623", "warning")
     assert "signal SIGKILL" in found.message
@@ -163,7 +163,7 @@ def test_what_a_task_raises_is_raised(start: Callable[[], object]) -> None:
 
 
 SLEEP = "import time; from plcgen.proof.sharing import Sharing; "
-SLEEP += "Sharing(workers=2, progress=say).results('test', time.sleep, 999)"
+SLEEP += "Sharing(workers=2, progress=say).results(time.sleep, 999)"
 VERIFY = f"from plcgen import api; api.verify({str(FAQ)!r}, {str(ROOT / 'examples' / FAQ.stem / 'expected')!r}, "
 VERIFY += "faults='full', progress=say)"
 SAY = "say = lambda *what: print(*what, flush=True)\n"
@@ -235,7 +235,7 @@ def test_ctrl_c_is_never_lost() -> None:
         Interrupted.left = moment
         try:
             task: Any = operator.index
-            assert list(Sharing(executor=Immediate()).results("test", task, 3)) == [0, 1, 2]
+            assert list(Sharing(executor=Immediate()).results(task, 3)) == [0, 1, 2]
         except KeyboardInterrupt:
             continue
         assert Interrupted.left > 0, f"swallowed at {moment}"

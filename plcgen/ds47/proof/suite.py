@@ -15,9 +15,7 @@ from plcgen.ds47.proof import stimulus
 from plcgen.ds47.proof.commands import check_commands
 from plcgen.ds47.proof.conduct import JobConduct
 from plcgen.ds47.proof.dissected import dissected_checks
-from plcgen.ds47.proof.engine.checks import engine_checks
-from plcgen.ds47.proof.engine.known import proven
-from plcgen.ds47.proof.engine.sources import NAMES, SHORT, DriveEngine
+from plcgen.ds47.proof.engine import NAMES, DriveEngine, engine_check
 from plcgen.ds47.proof.exchanges import check_drive, check_telegrams
 from plcgen.ds47.proof.ledger import ledger
 from plcgen.ds47.proof.own_drive import own_checks
@@ -44,7 +42,6 @@ from plcgen.proof.making import Pending, make_checks
 from plcgen.proof.rig import shown_value
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Statistics
-from plcgen.proof.sharing import Sharing
 from plcgen.proof.suite import CodeBlock, LaidOut, Procedure, Progress, Reads
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.program import Program
@@ -125,16 +122,12 @@ class DriveProof:
         """What documents say about devices, telegrams and parameters."""
         return ledger(self.plan)
 
-    def foundation(self, folder: Path, *, run: bool, share: Sharing) -> Iterator[Check]:
+    def foundation(self, folder: Path) -> Iterator[Check]:
         """The engine: channel, ticket and gate."""
         if self.plan.jobs:
             names = {role: getattr(self.plan.engine, ROLES.get(role, role)).name for role in NAMES}
             engine = DriveEngine.of(generated_sources(folder), self.plan.target.dialect, names)
-            if proven() or run:
-                yield from engine_checks(engine, run=run, share=share)
-            else:
-                verdict = "not run: this copy of plcgen has no record of proven engines (--engine runs it)"
-                yield Check("engine", f"engine {engine.hash[:SHORT]}", "", Outcome.NOT_RUN, verdict)
+            yield engine_check(engine)
 
     def suites(self) -> list[DriveSuite]:
         """All jobs are one suite: they may share units."""

@@ -34,7 +34,6 @@ from plcgen.proof.making import make_checks
 from plcgen.proof.rig import shown_value
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Statistics
-from plcgen.proof.sharing import Sharing
 from plcgen.proof.suite import CodeBlock, LaidOut, Procedure, Progress, Reads
 from plcgen.s7.cpu.program import Program
 
@@ -73,7 +72,7 @@ class PpiProof:
         """Start values of the tables."""
         return make_checks(check_telegrams(self.plan, folder), "telegrams", Span(str(folder.path)))
 
-    def foundation(self, folder: Path, *, run: bool, share: Sharing) -> Iterator[Check]:
+    def foundation(self, folder: Path) -> Iterator[Check]:
         """Nothing: a block is made for its master."""
         return iter(())
 

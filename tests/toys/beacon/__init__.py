@@ -86,7 +86,7 @@ class BeaconProof:
         """None."""
         return ()
 
-    def foundation(self, folder, *, run, share) -> Iterator[Check]:  # noqa: ARG002 - the face
+    def foundation(self, folder) -> Iterator[Check]:  # noqa: ARG002 - the face
         """Nothing that other projects have too."""
         yield from ()
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from plcgen.ds47.proof.engine.errands import Letter, Wanted
 from plcgen.ds47.proof.words import NO_ANSWER
 from plcgen.ds47.wire.formats import BYTE, DOUBLE_WORD, ERROR, TIME_DIFFERENCES, ZERO, find, padded
+from tests.engine.errands import Letter, Wanted
 
 FOREIGN = "FOREIGN"
 """The answer to something else: it is read past."""

@@ -6,10 +6,10 @@ import itertools
 from collections.abc import Iterator
 from typing import Any
 
-from plcgen.ds47.proof.engine.errands import Errand
-from plcgen.ds47.proof.engine.partner import STATE_CONFLICT
-from plcgen.ds47.proof.engine.scenario import CALLS, RETRIES, EngineScenario
 from plcgen.ds47.proof.words import DONE, DRAIN_MS, STEP_MS, WORDS
+from tests.engine.errands import Errand
+from tests.engine.partner import STATE_CONFLICT
+from tests.engine.scenario import CALLS, RETRIES, EngineScenario
 
 WRITE, READ, LOCAL = 0xDF800000, 0xDE800000, 0xC0800000
 CODES = (*range(0x90, 0x93), *range(0xA0, 0xD0), 0xFF)

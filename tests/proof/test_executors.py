@@ -1,8 +1,7 @@
-"""A verification in shares: on machines of a CI matrix, on executors of the caller's, on a Dask cluster."""
+"""A verification in parts: on executors of the caller's, on a Dask cluster."""
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import signal
@@ -16,14 +15,12 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
-from jsonschema import Draft202012Validator
 
 from plcgen import api
 from plcgen.base.diagnostics import DiagnosticError
 from plcgen.cli.main import run as run_main
 from plcgen.proof.checks import Verification
 from plcgen.proof.sharing import Sharing
-from plcgen.report.shapes import output_schema
 
 SPEC = """
 plc: {name: Plant, family: s7-1500, toolchain: tia-v19}
@@ -57,94 +54,6 @@ def run(*arguments: object) -> Done:
     with CliRunner().isolation() as streams:
         code = run_main([str(each) for each in arguments])
         return Done(code, *(stream.getvalue().decode() for stream in streams[:2]))
-
-
-@pytest.fixture(scope="module")
-def shards(plant: tuple[Path, Verification]) -> Path:
-    """The three files of three shards."""
-    folder = plant[0].parent / "shards"
-    folder.mkdir()
-    for number in (1, 2, 3):
-        done = run("verify", plant[0], "--shard", f"{number}/3", "--output", folder / f"{number}.json")
-        assert done.exit_code == 0, done.output
-    return folder
-
-
-def test_merged_shards_are_the_whole(plant: tuple[Path, Verification], shards: Path) -> None:
-    """The same report as without shards; nothing is executed; the files have the published shape."""
-    files = sorted(shards.iterdir())
-    assert api.verify(plant[0], shards=files) == plant[1]
-    done = run("verify", plant[0], "--merge", shards, "--json")
-    assert done.exit_code == 0
-    assert json.loads(done.output)["summary"] == json.loads(run("verify", plant[0], "--json").output)["summary"]
-    known = Draft202012Validator(output_schema())
-    sizes = []
-    for path in files:
-        known.validate(json.loads(path.read_text()))
-        sizes.append(len(json.loads(path.read_text())["parts"]))
-    assert max(sizes) - min(sizes) <= 1  # equal shares
-
-
-def test_shards_that_make_no_whole_are_an_error(plant: tuple[Path, Verification], shards: Path, tmp_path: Path) -> None:
-    """One is missing, there twice, of other options or files, of another number, or none: each is named."""
-    files = sorted(shards.iterdir())
-
-    def said(*chosen: Path, **options: Any) -> str:
-        found = api.verify(plant[0], shards=chosen, **options)
-        assert {d.code for d in found.diagnostics} == {"PG625"}
-        assert not found.ok
-        return " | ".join(d.message for d in found.diagnostics)
-
-    assert said(*files[:2]) == "missing: shard 3/3"
-    assert said(*files, files[0]).startswith("shard 1/3 is given twice")
-    assert said(*files, faults="full").count("made from another spec, other files or options") == 3
-    other = json.loads(files[2].read_text()) | {"shard": 4, "of": 4}
-    (tmp_path / "4.json").write_text(json.dumps(other))
-    assert said(*files[:2], tmp_path / "4.json") == "shard 4/4 together with shards of 3"
-    (tmp_path / "4.json").write_text("[]")
-    assert said(tmp_path / "4.json") == "not the file of a shard"
-    source = plant[0].parent / "plant_generated/scl/Get.scl"
-    before = source.read_bytes()
-    source.write_bytes(before + b"\n")
-    try:
-        assert "other files" in said(*files)
-    finally:
-        source.write_bytes(before)
-
-
-def test_a_shard_that_finds_something_fails(tmp_path: Path) -> None:
-    """Exit code 1; the merged report says what, at the file of the folder that is merged."""
-    spec = tmp_path / "plant.yaml"
-    spec.write_text(SPEC, "utf-8")
-    assert api.generate(spec).ok
-    source = tmp_path / "plant_generated/scl/Get.scl"
-    text = source.read_text("utf-8-sig")
-    source.write_text(text.replace("#unit.expected[1] := DW#16#0801", "#unit.expected[1] := DW#16#0601"), "utf-8-sig")
-    codes = [
-        run("verify", spec, "--shard", f"{n}/2", "--faults", "none", "-o", tmp_path / f"{n}.json").exit_code
-        for n in (1, 2)
-    ]
-    assert codes == [1, 0]
-    merged = api.verify(spec, faults="none", shards=[tmp_path / "1.json", tmp_path / "2.json"])
-    assert merged == api.verify(spec, faults="none")
-    assert any(c.diagnostic and c.diagnostic.span.file == str(source) for c in merged.checks() if c.id == "run.get")
-
-
-@pytest.mark.parametrize("text", ["0/3", "4/3", "3", "a/b", "1/9999", "1/3/3"])
-def test_a_shard_that_cannot_be_is_wrong_use(text: str, tmp_path: Path) -> None:
-    """Exit code 2 before anything runs."""
-    (tmp_path / "a.yaml").write_text(SPEC)
-    done = run("verify", tmp_path / "a.yaml", "--shard", text)
-    assert done.exit_code == 2
-    assert "shard" in done.errors
-
-
-def test_the_format_of_a_shard_is_json(tmp_path: Path) -> None:
-    """A pipeline that asks for JUnit must not get JSON with that name."""
-    (tmp_path / "a.yaml").write_text(SPEC)
-    done = run("verify", tmp_path / "a.yaml", "--shard", "1/2", "--format", "junit", "--output", tmp_path / "a.xml")
-    assert (done.exit_code, (tmp_path / "a.xml").exists()) == (2, False)
-    assert "not junit" in done.errors
 
 
 def test_an_executor_of_the_caller(plant: tuple[Path, Verification]) -> None:
@@ -188,7 +97,7 @@ def test_a_lost_worker_of_a_cluster_is_told(cluster: str, tmp_path: Path) -> Non
     notes: list[Any] = []
     with connected(cluster, notes) as executor:
         task: Any = partial(ended_once, place=tmp_path / "dead")
-        assert Sharing(executor=executor).results("test", task, 8) == list(range(8))
+        assert Sharing(executor=executor).results(task, 8) == list(range(8))
     assert [(d.code, d.severity.label) for d in notes] == [("PG623", "warning")]
 
 
@@ -224,7 +133,7 @@ def test_a_cluster_behind_tls(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -
             assert made.scheduler_address.startswith("tls://")
             with connected(made.scheduler_address, []) as executor:
                 task: Any = partial(ended_once, place=tmp_path)
-                assert Sharing(executor=executor).results("test", task, 4) == list(range(4))
+                assert Sharing(executor=executor).results(task, 4) == list(range(4))
             with (
                 dask.config.set(other),
                 pytest.raises(DiagnosticError, match="cannot be reached"),

@@ -10,24 +10,23 @@ from pathlib import Path
 import pytest
 
 from plcgen.base.diagnostics import DiagnosticError
-from plcgen.ds47.proof.engine.__main__ import dialect_of
-from plcgen.ds47.proof.engine.argued import ARGUED, argued
-from plcgen.ds47.proof.engine.checks import GROUPS, EngineWork, coverage_checks, engine_checks, run_faults
-from plcgen.ds47.proof.engine.errands import MATRIX, READ_ONE, READ_SPLIT, WRITE_ONE, WRITE_SPLIT
-from plcgen.ds47.proof.engine.field import JobField
-from plcgen.ds47.proof.engine.interrupts import interrupts
-from plcgen.ds47.proof.engine.known import proven, prover_hash
-from plcgen.ds47.proof.engine.sources import DriveEngine
-from plcgen.ds47.proof.engine.verdict import FOREIGN, judge
+from plcgen.ds47.proof.engine import engine_check, proven, prover_hash
 from plcgen.ds47.proof.words import TRANSITIONS
 from plcgen.proof.checks import Outcome
 from plcgen.proof.scenario import ScenarioError
-from plcgen.proof.sharing import Sharing
 from plcgen.s7.cpu.linkage import Probe
 from plcgen.s7.read.generated import generated_sources
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.scl.logic import DECIDES
-from tests.ds47 import engine_folders
+from tests.engine import folders
+from tests.engine.__main__ import dialect_of
+from tests.engine.argued import ARGUED, argued
+from tests.engine.checks import GROUPS, EngineWork, coverage_checks, run_faults
+from tests.engine.errands import MATRIX, READ_ONE, READ_SPLIT, WRITE_ONE, WRITE_SPLIT
+from tests.engine.field import JobField
+from tests.engine.interrupts import interrupts
+from tests.engine.sources import DriveEngine
+from tests.engine.verdict import FOREIGN, judge
 
 THREE = READ_SPLIT.letters[0]
 REQUEST = bytes.fromhex("07 01 02 03") + bytes(18)
@@ -45,7 +44,7 @@ def engines(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str], D
     root = tmp_path_factory.mktemp("engines")
     return {
         (target, size): DriveEngine.of(generated_sources(folder), dialect_of(folder))
-        for target, size, folder in engine_folders.folders(root)
+        for target, size, folder in folders.folders(root)
     }
 
 
@@ -116,11 +115,20 @@ def test_a_known_engine_is_not_run_here(
     for prover, whose in ((here, "the one of this copy"), ("f" * 64, f"that of this copy is {here[:12]}")):
         entry = {"release": "9.9.9", "scenarios": 1234, "prover": prover}
         known = {engine.hash: entry}
-        monkeypatch.setattr("plcgen.ds47.proof.engine.checks.proven", lambda known=known: known)
-        (check,) = engine_checks(engine)
+        monkeypatch.setattr("plcgen.ds47.proof.engine.proven", lambda known=known: known)
+        check = engine_check(engine)
         assert check.outcome is Outcome.NOT_RUN
         proven_by = check.verdict.removeprefix(f"engine {engine.hash[:12]}: proven with release 9.9.9 by ")
         assert proven_by in {f"prover {prover[:12]}{sign} {whose}; not run here" for sign in ",;"}
+
+
+@pytest.mark.slow
+def test_an_engine_that_nobody_has_proven_is_an_error(engines: dict[tuple[str, str], DriveEngine]) -> None:
+    """One number of the text is another one: the report names the file."""
+    check = engine_check(changed(engines["t15", "S"], "L#5000", "L#5001"))
+    assert (check.outcome, check.diagnostic.code if check.diagnostic else "") == (Outcome.ERROR, "PG621")
+    assert check.diagnostic
+    assert check.diagnostic.span.file in {name for name, _ in engines["t15", "S"].sources}
 
 
 def test_the_prover_is_known_by_its_code(tmp_path: Path) -> None:
@@ -137,14 +145,6 @@ def test_the_prover_is_known_by_its_code(tmp_path: Path) -> None:
         (tmp_path / name).write_bytes(data)
         prover_hash.cache_clear()
         assert (prover_hash(tmp_path) == first) is same, name
-
-
-@pytest.mark.slow
-def test_an_engine_that_does_not_compile_is_an_error(engines: dict[tuple[str, str], DriveEngine]) -> None:
-    (check,) = engine_checks(
-        changed(engines["t15", "S"], "#statState := #STATE_HOLD;", "#statState := #NOWHERE;"), share=Sharing(workers=1)
-    )
-    assert (check.outcome, check.diagnostic.code if check.diagnostic else "") == (Outcome.ERROR, "PG820")
 
 
 def test_a_folder_without_an_engine() -> None:
@@ -400,6 +400,6 @@ def test_requests_are_those_of_the_tables() -> None:
 @pytest.mark.slow
 def test_folders_are_told_by_their_manifest(tmp_path: Path) -> None:
     file, out = tmp_path / "x.yaml", tmp_path / "out"
-    file.write_text(engine_folders.spec("v5", "S"), encoding="ascii")
-    engine_folders.plcgen.generate(file, out)
+    file.write_text(folders.spec("v5", "S"), encoding="ascii")
+    folders.plcgen.generate(file, out)
     assert dialect_of(out) is Dialect.STEP7_V5

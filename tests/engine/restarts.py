@@ -6,13 +6,13 @@ import itertools
 from collections.abc import Callable, Iterator
 from functools import partial
 
-from plcgen.ds47.proof.engine.errands import READ_SPLIT, TRIGGER, WRITE_SPLIT, Errand
-from plcgen.ds47.proof.engine.field import JobField
-from plcgen.ds47.proof.engine.mailboxes import ORDERS, three
-from plcgen.ds47.proof.engine.partner import STATE_CONFLICT
-from plcgen.ds47.proof.engine.scenario import EngineScenario
 from plcgen.ds47.proof.words import DONE, WORDS
 from plcgen.proof.scenario import ScenarioError
+from tests.engine.errands import READ_SPLIT, TRIGGER, WRITE_SPLIT, Errand
+from tests.engine.field import JobField
+from tests.engine.mailboxes import ORDERS, three
+from tests.engine.partner import STATE_CONFLICT
+from tests.engine.scenario import EngineScenario
 
 Run = Callable[[JobField], None]
 PARTS = (("Unit1", ""), ("Channel1", ""), ("Job1", ""), ("Job1", "statTicket"), ("Gate", ""), ("GateData", ""))

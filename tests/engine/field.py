@@ -5,15 +5,15 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable, Mapping, Sequence
 
-from plcgen.ds47.proof.engine.errands import READ_SPLIT, WRITE_SPLIT, Errand, parameter_bytes
-from plcgen.ds47.proof.engine.rig import EngineRig, JobPlace
-from plcgen.ds47.proof.engine.scenario import PAUSE, RETRIES, TIMEOUT, EngineScenario
-from plcgen.ds47.proof.engine.sources import DriveEngine
-from plcgen.ds47.proof.engine.stimulus import FIRST_CHANNEL, FIRST_JOB, GATE
 from plcgen.ds47.proof.words import DONE, HOLD, state_name
 from plcgen.proof.scenario import ScenarioError
 from plcgen.s7.cpu.cpu import Misuse
 from plcgen.s7.cpu.preemption import Plan
+from tests.engine.errands import READ_SPLIT, WRITE_SPLIT, Errand, parameter_bytes
+from tests.engine.rig import EngineRig, JobPlace
+from tests.engine.scenario import PAUSE, RETRIES, TIMEOUT, EngineScenario
+from tests.engine.sources import DriveEngine
+from tests.engine.stimulus import FIRST_CHANNEL, FIRST_JOB, GATE
 
 ALL = (GATE, FIRST_CHANNEL, FIRST_CHANNEL + 1, FIRST_CHANNEL + 2, *range(FIRST_JOB, FIRST_JOB + 5))
 """Everything, in the order in which a caller has it."""

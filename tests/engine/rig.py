@@ -5,16 +5,16 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable, Sequence
 
-from plcgen.ds47.proof.engine.errands import Errand, drive_for, parameter_bytes, random_values, store
-from plcgen.ds47.proof.engine.partner import DirectedDrive
-from plcgen.ds47.proof.engine.scenario import CALLS, EngineScenario
-from plcgen.ds47.proof.engine.sources import DriveEngine
-from plcgen.ds47.proof.engine.stimulus import LEVELS, UNIT_OF_JOB
 from plcgen.proof.rig import Members, Source, layout_of
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.memory import Memory
 from plcgen.s7.cpu.system.bus import Periphery
 from plcgen.s7.layout.layout import locate
+from tests.engine.errands import Errand, drive_for, parameter_bytes, random_values, store
+from tests.engine.partner import DirectedDrive
+from tests.engine.scenario import CALLS, EngineScenario
+from tests.engine.sources import DriveEngine
+from tests.engine.stimulus import LEVELS, UNIT_OF_JOB
 
 ADDRESSES = (256, 260, 264)
 OBJECTS = ((2, 3, 4), (2,), (2,))

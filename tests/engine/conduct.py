@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import random
 
-from plcgen.ds47.proof.engine.end import Ending, Guards
-from plcgen.ds47.proof.engine.errands import Errand
-from plcgen.ds47.proof.engine.rig import EngineRig
-from plcgen.ds47.proof.engine.scenario import EngineScenario
-from plcgen.ds47.proof.engine.times import ChannelTimes
 from plcgen.ds47.proof.words import BUILD, HOLD, IDLE, TRANSITIONS, WORDS, state_name
 from plcgen.proof.runner import MAX_SCANS, Run
 from plcgen.proof.scenario import ScenarioError
+from tests.engine.end import Ending, Guards
+from tests.engine.errands import Errand
+from tests.engine.rig import EngineRig
+from tests.engine.scenario import EngineScenario
+from tests.engine.times import ChannelTimes
 
 CLOCK_END = 2**31
 DIRT = (b"\x40\x00", b"\x44\x02\x00\x11\x00\x07", b"\xa5")

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from itertools import permutations
 
-from plcgen.ds47.proof.engine.answer_faults import AnswerForm, types_of_a_size
-from plcgen.ds47.proof.engine.conduct import EngineConduct
-from plcgen.ds47.proof.engine.end import following
-from plcgen.ds47.proof.engine.errands import (
+from plcgen.ds47.proof.words import COUNTERS, WORDS
+from plcgen.proof.rig import Members
+from plcgen.proof.runner import Runner
+from plcgen.proof.scenario import ScenarioError, Statistics
+from tests.engine.answer_faults import AnswerForm, types_of_a_size
+from tests.engine.conduct import EngineConduct
+from tests.engine.end import following
+from tests.engine.errands import (
     READ_ONE,
     READ_PINNED,
     WRITE_ONE,
@@ -18,14 +22,10 @@ from plcgen.ds47.proof.engine.errands import (
     every_format,
     full,
 )
-from plcgen.ds47.proof.engine.field import JobField
-from plcgen.ds47.proof.engine.partner import STATE_CONFLICT
-from plcgen.ds47.proof.engine.scenario import CALLS, EngineScenario
-from plcgen.ds47.proof.engine.stimulus import WRONG_UNIT_DB
-from plcgen.ds47.proof.words import COUNTERS, WORDS
-from plcgen.proof.rig import Members
-from plcgen.proof.runner import Runner
-from plcgen.proof.scenario import ScenarioError, Statistics
+from tests.engine.field import JobField
+from tests.engine.partner import STATE_CONFLICT
+from tests.engine.scenario import CALLS, EngineScenario
+from tests.engine.stimulus import WRONG_UNIT_DB
 
 ROW = 600
 MANY = 70_000

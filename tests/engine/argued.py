@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from plcgen.ds47.proof.engine.sources import DriveEngine
 from plcgen.s7.cpu.linkage import Probe
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.logic import DECIDES, decisions, operands_of
 from plcgen.s7.scl.parser import parse_value
+from tests.engine.sources import DriveEngine
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import partial
 
-from plcgen.ds47.proof.engine.errands import READ_ONE, READ_SPLIT, TRIGGER, WRITE_ONE, WRITE_SPLIT
-from plcgen.ds47.proof.engine.field import JobField
-from plcgen.ds47.proof.engine.mailboxes import three
 from plcgen.ds47.proof.words import DONE, WORDS
 from plcgen.proof.scenario import ScenarioError
 from plcgen.s7.cpu.preemption import Chosen, Interrupt, Point
+from tests.engine.errands import READ_ONE, READ_SPLIT, TRIGGER, WRITE_ONE, WRITE_SPLIT
+from tests.engine.field import JobField
+from tests.engine.mailboxes import three
 
 Run = Callable[[JobField], None]
 LEVELS: tuple[tuple[tuple[int, ...], tuple[int, ...], tuple[int, ...]], ...] = (
@@ -46,7 +46,7 @@ def interrupts(*, thorough: bool = False) -> Iterator[tuple[str, Run]]:
         yield f"one slot for two: OB1 calls {levels[0]}, OB35 {levels[1]}, OB82 {levels[2]}", partial(_one_slot, levels)
 
 
-def _everywhere(levels: tuple[tuple[int, ...], ...], thorough: bool, field: JobField) -> None:  # noqa: FBT001
+def _everywhere(levels: tuple[tuple[int, ...], ...], thorough: bool, field: JobField) -> None:
     """In every scan OB35 comes at one point of OB1, and OB82 at one of OB35 and one of OB1; the points wander."""
     three(field)
     field.give(2, WRITE_ONE, slot=3, drive_object=3)

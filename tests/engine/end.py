@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from plcgen.ds47.proof.engine.errands import Letter
-from plcgen.ds47.proof.engine.rig import EngineRig, JobPlace
-from plcgen.ds47.proof.engine.scenario import EngineScenario
-from plcgen.ds47.proof.engine.verdict import FOREIGN, Verdict, judge, silence
 from plcgen.ds47.proof.words import DONE, MEANINGS, WORDS
 from plcgen.proof.scenario import ScenarioError
+from tests.engine.errands import Letter
+from tests.engine.rig import EngineRig, JobPlace
+from tests.engine.scenario import EngineScenario
+from tests.engine.verdict import FOREIGN, Verdict, judge, silence
 
 ANSWERED = frozenset(
     WORDS[name]

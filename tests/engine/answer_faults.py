@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from plcgen.ds47.proof.engine.errands import Errand, Letter
-from plcgen.ds47.proof.engine.record_faults import outer_telegrams
-from plcgen.ds47.proof.engine.scenario import RETRIES, Edit, EngineScenario
 from plcgen.ds47.proof.words import DONE, NO_ANSWER, WORDS
 from plcgen.ds47.sim.faults import Fault, FaultKind
 from plcgen.ds47.wire.errors import known_numbers
 from plcgen.ds47.wire.formats import FORMATS, generic_of
+from tests.engine.errands import Errand, Letter
+from tests.engine.record_faults import outer_telegrams
+from tests.engine.scenario import RETRIES, Edit, EngineScenario
 
 INFO = 0x1234
 _FIRMWARE = {0x0D: 0x36, 0x36: 0x0D}

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from plcgen.ds47.proof.engine.rig import EngineRig
-from plcgen.ds47.proof.engine.scenario import EngineScenario
 from plcgen.ds47.proof.words import BUILD, DRAIN, DRAIN_MS, PAUSE, STEP_MS, WORDS, state_name
 from plcgen.proof.scenario import ScenarioError
+from tests.engine.rig import EngineRig
+from tests.engine.scenario import EngineScenario
 
 TIMED_OUT = frozenset({WORDS["TIMEOUT"], WORDS["NO_PLACE"]})
 

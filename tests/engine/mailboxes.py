@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from itertools import product
 
-from plcgen.ds47.proof.engine.errands import READ_SPLIT, TRIGGER, WRITE_SPLIT, Errand
-from plcgen.ds47.proof.engine.field import ALL, JobField
-from plcgen.ds47.proof.engine.partner import STATE_CONFLICT
-from plcgen.ds47.proof.engine.scenario import EngineScenario
 from plcgen.ds47.proof.words import CALLS_LIMIT, COUNTERS, DONE, GRANT, LEASE_MS, PAUSE, WORDS, state_name
 from plcgen.proof.rig import Members
 from plcgen.proof.scenario import STARTED, ScenarioError
+from tests.engine.errands import READ_SPLIT, TRIGGER, WRITE_SPLIT, Errand
+from tests.engine.field import ALL, JobField
+from tests.engine.partner import STATE_CONFLICT
+from tests.engine.scenario import EngineScenario
 
 OFFSETS = 14
 STUCK = ("without a place", "WRREC has no resources", "no answer comes")

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import partial
 
-from plcgen.ds47.proof.engine.errands import READ_ONE, READ_SPLIT, WRITE_SPLIT
-from plcgen.ds47.proof.engine.field import JobField
-from plcgen.ds47.proof.engine.stimulus import SHARED_PLACE
 from plcgen.ds47.proof.words import DONE, GATE, LEASE_MS, READ, STEP_MS, WORDS, WRITE
 from plcgen.proof.rig import Source
 from plcgen.proof.scenario import ScenarioError
+from tests.engine.errands import READ_ONE, READ_SPLIT, WRITE_SPLIT
+from tests.engine.field import JobField
+from tests.engine.stimulus import SHARED_PLACE
 
 CALLS = (1, 2, 3, 4, 5, 8, 9)
 """The gate, three channels, a job of each unit."""

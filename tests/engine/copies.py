@@ -10,10 +10,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 
-from plcgen.ds47.proof.engine.errands import MATRIX
-from plcgen.ds47.proof.engine.field import JobField
-from plcgen.ds47.proof.engine.mailboxes import mailboxes
-from plcgen.ds47.proof.engine.places import places
+from tests.engine.errands import MATRIX
+from tests.engine.field import JobField
+from tests.engine.mailboxes import mailboxes
+from tests.engine.places import places
 
 Run = Callable[[JobField], None]
 

@@ -1,59 +1,87 @@
-"""The engine as it lies in a folder: its blocks and types, its sizes, and the hash over its tokens."""
+"""The engine as it lies in a folder, the hash over its tokens, and the engines on record as proven (``proven.json``).
+
+The proof itself, every fault of every engine of every target, is ``tests/engine`` in the source tree.
+"""
 
 from __future__ import annotations
 
 import hashlib
+import json
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
-from itertools import chain
+from functools import cache, cached_property
 from pathlib import Path
-from typing import Any
+from typing import Self, TypedDict
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.base.files.files import read_bounded
-from plcgen.ds47.proof.engine.stimulus import Sizes, engine_stimulus
-from plcgen.proof.rig import layout_of
-from plcgen.s7.cpu.program import Program
-from plcgen.s7.layout.layout import locate
+from plcgen.proof.checks import Check, Outcome
 from plcgen.s7.read.text import MAX_BYTES, decode_source
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.scl.lexer import KEYWORDS, tokenize
-from plcgen.s7.types.data_types import ArrayType
 
+FILE = Path(__file__).with_name("proven.json")
+"""Written by ``make engine``."""
 NAMES: Mapping[str, str] = {
     "channel": "DriveChannel", "ticket": "DriveTicket", "gate": "DriveGate", "unit": "typeDriveUnit",
     "order": "typeDriveOrder", "turn": "typeDriveTurn", "ask": "typeDriveAsk", "gate_data": "typeDriveGate",
     "place": "typeDrivePlace",
 }  # fmt: skip
 """Blocks and types of the engine, by their roles."""
-BLOCKS = ("channel", "ticket", "gate")
 SHORT = 12
 """Hexadecimal digits of a hash that a report shows."""
 _DECLARED = re.compile(r'^\s*(?:FUNCTION_BLOCK|TYPE)\s+"?([^"\s:]+)"?', re.MULTILINE | re.IGNORECASE)
-_CALLERS = re.compile(
-    r"""("(?:Unit[1-3]|GateData|ProofCalls|OB[0-9]+)"(?: : Void)?\s*\{ S7_Optimized_Access := )'FALSE'"""
-)
-"""Access of the data that others share, and of those who call with it."""
 _TITLE = re.compile(r"^\s*TITLE\s*=.*$", re.MULTILINE)
 _LIBRARY_VERSION = re.compile(r"(LibVersion\s*:=\s*)'[0-9.]*'")
 
 
+PROVER = ("ds47/proof", "ds47/sim", "ds47/wire", "proof", "s7")
+"""The folders of plcgen that take part in the proof of an engine: soft CPU, front end, simulated drive, scenarios."""
+
+
+class Proven(TypedDict):
+    """What is known about an engine: its target, sizes of its arrays, release and hash of the prover, what was run."""
+
+    target: str
+    bytes: int
+    parameters: int
+    slots: int
+    channels: int
+    release: str
+    prover: str
+    scenarios: int
+    runs: int
+    effort: str
+
+
+def proven() -> Mapping[str, Proven]:
+    """Proven engines by their hashes."""
+    return json.loads(FILE.read_text(encoding="ascii")) if FILE.is_file() else {}
+
+
+@cache
+def prover_hash(package: Path = FILE.parents[2]) -> str:
+    """SHA-256 over names and code of all that proves an engine; line ends of a Windows checkout do not count."""
+    digest = hashlib.sha256()
+    for folder in PROVER:
+        for path in sorted((package / folder).rglob("*")):
+            if path.suffix in {".py", ".scl"} and "__pycache__" not in path.parts:
+                data = path.read_bytes().replace(b"\r\n", b"\n")
+                digest.update(f"{path.relative_to(package).as_posix()} {len(data)}\n".encode() + data)
+    return digest.hexdigest()
+
+
 @dataclass(frozen=True)
 class DriveEngine:
-    """The engine of one target: file names and texts; ``names`` are those of its blocks and types by their roles.
-
-    ``mixed``: units and their callers have optimised access.
-    """
+    """The engine of one target: file names and texts; ``names`` are those of its blocks and types by their roles."""
 
     dialect: Dialect
     sources: tuple[tuple[str, str], ...]
     names: Mapping[str, str] = field(default_factory=lambda: dict(NAMES))
-    mixed: bool = False
 
     @classmethod
-    def of(cls, files: Iterable[Path], dialect: Dialect, names: Mapping[str, str] = NAMES) -> DriveEngine:
+    def of(cls, files: Iterable[Path], dialect: Dialect, names: Mapping[str, str] = NAMES) -> Self:
         """Pick the engine out of the sources of a project. Raises DiagnosticError if something of it is missing."""
         wanted = {name.upper() for name in names.values()}
         found: list[tuple[str, str]] = []
@@ -74,37 +102,6 @@ class DriveEngine:
         return cls(dialect, tuple(sorted(found)), dict(names))
 
     @cached_property
-    def program(self) -> Program:
-        """The engine with the stimulus around it, compiled. Raises DiagnosticError."""
-        text = engine_stimulus(self.dialect, self.names, self.sizes)
-        if self.mixed:
-            text = _CALLERS.sub(r"\1'TRUE'", text)
-        sources = [*self.sources, ("stimulus.scl", text)]
-        program = Program.load(sources, self.dialect, coverage=True, litter=True)
-        if not program.ok:
-            raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
-        return program
-
-    @cached_property
-    def sizes(self) -> Sizes:
-        """Sizes of the unit's arrays. Raises DiagnosticError."""
-        members = f' unit : "{self.names["unit"]}";\n gate : "{self.names["gate_data"]}";\n'
-        text = f'DATA_BLOCK "Sizes"\nSTRUCT\n{members}END_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
-        program = Program.load([*self.sources, ("sizes.db", text)], self.dialect)
-        if not program.ok:
-            raise DiagnosticError([d for d in program.diagnostics if d.severity.label == "error"])
-        layout = layout_of(program, "Sizes")
-
-        def last(member: str) -> int:
-            type_ = locate(layout, f"unit.{member}").type
-            return type_.bounds[0][1] if isinstance(type_, ArrayType) else 0
-
-        gate = locate(layout, "gate.channels").type
-        return Sizes(
-            last("telegram"), last("errors"), last("asks"), gate.bounds[0][1] if isinstance(gate, ArrayType) else 0
-        )
-
-    @cached_property
     def hash(self) -> str:
         """SHA-256 over target and tokens. Comments, titles, versions of library blocks, names and case do not count."""
         digest = hashlib.sha256(self.dialect.value.encode())
@@ -116,16 +113,6 @@ class DriveEngine:
     def units(self) -> list[list[str]]:
         """The tokens of every block and type, in the order of their roles."""
         return sorted(unit for _, text in self.sources for unit in self._units(text))
-
-    def differs_in_sizes_only(self, other: DriveEngine) -> bool:
-        """Whether another engine of the target has the same text but for the numbers that are its sizes."""
-        if self.dialect is not other.dialect or [len(u) for u in self.units] != [len(u) for u in other.units]:
-            return False
-        pairs = zip(chain(*self.units), chain(*other.units), strict=True)
-        known = {
-            (a, b) for one, two in zip(self.sizes.numbers, other.sizes.numbers, strict=True) for a, b in ((one, two),)
-        }
-        return all(one == two or (one, two) in known for one, two in pairs)
 
     def _units(self, text: str) -> Iterator[list[str]]:
         """The tokens of every block or type of the engine in a source."""
@@ -140,6 +127,17 @@ class DriveEngine:
                     yield unit
                 unit = []
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        """A program cannot be pickled: a worker compiles it again."""
-        return DriveEngine, (self.dialect, self.sources, self.names, self.mixed)
+
+def engine_check(engine: DriveEngine) -> Check:
+    """Whether the engine in a folder is one that was proven: its text is none of the project's, so nothing is run."""
+    known = proven().get(engine.hash)
+    short = engine.hash[:SHORT]
+    if known is None:
+        message = f"the drive engine in this folder (channel, ticket, gate) is none that was proven: {short}"
+        remedy = "generate the folder again; who changes a template of the engine runs make engine"
+        found = Diagnostic("PG621", message, Span(engine.sources[0][0]), help=remedy)
+        return Check("engine", f"engine {short}", "", Outcome.ERROR, message, found)
+    by, here = known["prover"][:SHORT], prover_hash()[:SHORT]
+    prover = f"prover {by}, the one of this copy" if by == here else f"prover {by}; that of this copy is {here}"
+    verdict = f"engine {short}: proven with release {known['release']} by {prover}; not run here"
+    return Check("engine", f"engine {short}", f"{known['scenarios']:,} scenarios", Outcome.NOT_RUN, verdict)

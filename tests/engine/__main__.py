@@ -1,4 +1,4 @@
-"""Prove the engines of generated folders and record them: ``python -m plcgen.ds47.proof.engine FOLDER...``.
+"""Prove the engines of generated folders and record them: ``python -m tests.engine FOLDER...``.
 
 Every folder is one that ``plcgen generate`` wrote. ``--thorough`` runs an interrupt at every point of every scan, and
 loads every set of data blocks behind every scan. The file of proven engines is written anew: it holds the engines of
@@ -14,13 +14,13 @@ import sys
 from pathlib import Path
 
 from plcgen._version import __version__
-from plcgen.ds47.proof.engine.checks import Effort, prove
-from plcgen.ds47.proof.engine.known import Proven, prover_hash, write_proven
-from plcgen.ds47.proof.engine.sources import SHORT, DriveEngine
+from plcgen.ds47.proof.engine import SHORT, Proven, prover_hash
 from plcgen.proof.checks import Check
 from plcgen.proof.sharing import Sharing
 from plcgen.s7.read.generated import MANIFEST, generated_sources
 from plcgen.s7.scl.dialect import Dialect
+from tests.engine.checks import Effort, prove
+from tests.engine.sources import DriveEngine, write_proven
 
 
 def dialect_of(folder: Path) -> Dialect:
@@ -38,7 +38,7 @@ def _shown(check: Check) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Exit code."""
-    parser = argparse.ArgumentParser(prog="python -m plcgen.ds47.proof.engine", description=__doc__)
+    parser = argparse.ArgumentParser(prog="tests.engine", description=__doc__)
     parser.add_argument("folders", nargs="+", type=Path)
     parser.add_argument("--thorough", action="store_true")
     parser.add_argument("--workers", type=int, default=None)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from plcgen.ds47.proof.engine.scenario import EngineScenario
 from plcgen.ds47.sim.drive import Drive, RecordExchange
 from plcgen.ds47.wire.status import Direction
+from tests.engine.scenario import EngineScenario
 
 STATE_CONFLICT = 0xDE80B500
 

@@ -8,23 +8,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Literal
 
-from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.ds47.proof.engine.answer_faults import answer_faults, error_matrix
-from plcgen.ds47.proof.engine.argued import ARGUED, argued
-from plcgen.ds47.proof.engine.conduct import EngineConduct
-from plcgen.ds47.proof.engine.copies import copies
-from plcgen.ds47.proof.engine.errands import MATRIX, READ_PINNED, WRITE_PINNED, Errand, every_format, full
-from plcgen.ds47.proof.engine.field import JobField
-from plcgen.ds47.proof.engine.formats import formats
-from plcgen.ds47.proof.engine.interrupts import interrupts
-from plcgen.ds47.proof.engine.known import proven, prover_hash
-from plcgen.ds47.proof.engine.mailboxes import mailboxes
-from plcgen.ds47.proof.engine.places import places
-from plcgen.ds47.proof.engine.record_faults import cpu_faults, record_faults
-from plcgen.ds47.proof.engine.restarts import restarts
-from plcgen.ds47.proof.engine.rig import EngineRig
-from plcgen.ds47.proof.engine.scenario import EngineScenario
-from plcgen.ds47.proof.engine.sources import BLOCKS, SHORT, DriveEngine
+from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.ds47.proof.words import TRANSITIONS, state_name
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.conditions import STATE
@@ -37,6 +21,21 @@ from plcgen.proof.scenario import Statistics, diagnostic
 from plcgen.proof.sharing import Sharing
 from plcgen.proof.suite import CodeBlock, Procedure
 from plcgen.s7.scl import ast
+from tests.engine.answer_faults import answer_faults, error_matrix
+from tests.engine.argued import ARGUED, argued
+from tests.engine.conduct import EngineConduct
+from tests.engine.copies import copies
+from tests.engine.errands import MATRIX, READ_PINNED, WRITE_PINNED, Errand, every_format, full
+from tests.engine.field import JobField
+from tests.engine.formats import formats
+from tests.engine.interrupts import interrupts
+from tests.engine.mailboxes import mailboxes
+from tests.engine.places import places
+from tests.engine.record_faults import cpu_faults, record_faults
+from tests.engine.restarts import restarts
+from tests.engine.rig import EngineRig
+from tests.engine.scenario import EngineScenario
+from tests.engine.sources import BLOCKS, DriveEngine
 
 PAGE = "docs/generated-code.md"
 Effort = Literal["sizes", "ordinary", "recorded", "thorough"]
@@ -112,7 +111,7 @@ class EngineWork:
             made.append(JobField(self.engine, errands))
             return made[-1]
 
-        assert piece.run is not None  # noqa: S101 - it has an errand or this
+        assert piece.run is not None
         failure, counts = attempt(Procedure(piece.name, bed, piece.run))
         result.add(failure, self.engine.program, counts)
         result.statistics.scans = made[-1].scans
@@ -178,7 +177,7 @@ def prove(engine: DriveEngine, effort: Effort = "ordinary", share: Sharing | Non
         texts = [(Path(file).name, text) for file, text in engine.sources]
         return key_of("engine", engine.dialect, texts, engine.names, engine.mixed, effort, work.pieces[index])
 
-    results = (share or Sharing()).results(f"engine {engine.hash}", work, len(work.pieces), key)
+    results = (share or Sharing()).results(work, len(work.pieces), key)
     checks: list[Check] = []
     kinds = 0
     for group in GROUPS:
@@ -259,26 +258,3 @@ def _group(group: str, results: list[Result], count: int) -> Check:
         return failed(name, subject, text, found, str(failures[0]))
     cached = made(results, "parts")
     return Check(name, subject, f"{text}; {cached}" if cached else text, Outcome.OK, "ok")
-
-
-def engine_checks(engine: DriveEngine, *, run: bool = False, share: Sharing | None = None) -> Iterator[Check]:
-    """The checks of an engine as it lies in a folder: one that is known is run only if ``run`` says so.
-
-    ``share`` None uses every core. An engine that does not compile is one failed check.
-    """
-    known = proven().get(engine.hash)
-    short = engine.hash[:SHORT]
-    if known is not None and not run:
-        text = f"{known['scenarios']:,} scenarios"
-        by, here = known["prover"][:SHORT], prover_hash()[:SHORT]
-        prover = f"prover {by}, the one of this copy" if by == here else f"prover {by}; that of this copy is {here}"
-        verdict = f"engine {short}: proven with release {known['release']} by {prover}; not run here"
-        yield Check("engine", f"engine {short}", text, Outcome.NOT_RUN, verdict)
-        return
-    try:
-        proof = prove(engine, share=share)
-    except DiagnosticError as problem:
-        first: Diagnostic = problem.diagnostics[0]
-        yield Check("engine", f"engine {short}", "", Outcome.ERROR, first.message, first)
-        return
-    yield from proof.checks
