@@ -57,7 +57,16 @@ class Effect:
 
     def asks(self, values: Collection[object] | None) -> bool:
         """Whether a write of these values needs a sign-off; None are values that nobody knows yet."""
-        return self.reason.asks and (self.value is None or values is None or self.value in values)
+        if not self.reason.asks or self.value is None or values is None:
+            return self.reason.asks
+        return any(value == self.value or self.value == 1 == _source(value) for value in values)
+
+
+def _source(value: object) -> int:
+    """The number of the parameter that a sink takes its signal from. Recalled: a constant 1 is "parameter 1", that is
+    16#0001FC00 in SINAMICS and 16#00010000 in MICROMASTER.
+    """
+    return value >> 16 if isinstance(value, int) else 0
 
 
 @lru_cache(maxsize=1)

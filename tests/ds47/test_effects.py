@@ -83,6 +83,7 @@ def test_what_was_drawn_blind() -> None:
         ("sinamics-v90", 29241, "moves"), ("sinamics-dcm", 50370, "brake"), ("sinamics-dcm", 50396, "protection"),
         ("sinamics-dcm", 50436, "commands"), ("sinamics-dcm", 50485, "commands"), ("sinamics-dcm", 50513, "limits"),
         ("sinamics-dcm", 50304, ""), ("sinamics-dcm", 50225, ""), ("micromaster-4", 2251, "commands"),
+        ("micromaster-4", 2481, "scaling"), ("micromaster-4", 2488, ""),
     ],
 )  # fmt: skip
 def test_the_class_of_a_number(device: str, pnu: int, kind: str) -> None:
@@ -141,7 +142,10 @@ def test_every_kind_of_job_goes_through_one_door(tmp_path: Path) -> None:
     ("write", "asks"),
     [
         ("value: 1", True),
+        ("value: 16#00010000", True),
+        ("value: 16#0001FC00", True),
         ("value: 0", False),
+        ("value: 16#02D20402", False),
         ("value: r722.2@1", False),
         ("start: 0", True),
         ("start: r722.2@1", True),
