@@ -8,16 +8,10 @@ from __future__ import annotations
 
 import os
 import unicodedata
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import cycle
 
-from plcgen import api
-from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Report
-from plcgen.base.files.validation import load_document
-from plcgen.ds47.profile import PROFILE
-from plcgen.ds47.sim.load import load_drive
-from plcgen.ppi.sim.load import load_bus
-from plcgen.project.loading import parse_spec
+from tests.doors import DOORS, schema_of
 from tests.schema_walk import Place, Walk
 
 HOSTILE = "PLCGEN_HOSTILE" in os.environ
@@ -33,30 +27,7 @@ CHARACTERS = [
 LEAST_HOSTILE, LEAST = 15_000, 1_000
 
 
-def spec_problems(text: str) -> list[Diagnostic]:
-    report = Report()
-    parse_spec(text, "job.yaml", report)
-    return list(report)
-
-
-def problems_of(read: Callable[[str], object]) -> Callable[[str], list[Diagnostic]]:
-    def problems(text: str) -> list[Diagnostic]:
-        try:
-            read(text)
-        except DiagnosticError as wrong:
-            return list(wrong.diagnostics)
-        return []
-
-    return problems
-
-
-DOORS: dict[str, Callable[[str], list[Diagnostic]]] = {
-    "spec": spec_problems,
-    "profile": problems_of(lambda text: load_document(text, "acme.yaml", PROFILE, {"lenders": {}})),
-    "drive": problems_of(load_drive),
-    "station": problems_of(load_bus),
-}
-WALKS = {kind: Walk(api.schema(kind)) for kind in DOORS}
+WALKS = {kind: Walk(schema_of(kind)) for kind in DOORS}
 """What reads each kind of file, and the places in it."""
 PLACES = [(kind, place) for kind, walk in WALKS.items() for place in walk.places]
 
@@ -91,8 +62,8 @@ def test_no_place_takes_a_character_that_is_none_of_a_text() -> None:
 
 
 def test_every_text_has_a_length() -> None:
-    """A text of 2,000 characters is refused wherever one may stand."""
-    assert [f"{kind} {place}" for kind, place in PLACES if not _wrong(kind, place, "z" * 2000)] == []
+    """A text of more than 2,000 characters is refused wherever one may stand."""
+    assert [f"{kind} {place}" for kind, place in PLACES if not _wrong(kind, place, "z" * 2001)] == []
 
 
 def _wrong(kind: str, place: Place, text: str) -> list[str]:

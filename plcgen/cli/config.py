@@ -15,6 +15,7 @@ from pydantic import BeforeValidator, Field
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Report, Severity, Span
 from plcgen.base.files.files import below, refusal
+from plcgen.base.files.printed import Line
 from plcgen.base.files.text import read_text
 from plcgen.base.files.toml import parse_toml
 from plcgen.base.files.validation import FileShape, StrictModel, problem, validate
@@ -24,7 +25,8 @@ from plcgen.proof.effort import Faults
 NAME = "plcgen.toml"
 
 FailOn = Literal["breaking", "compatible", "any", "never"]
-Paths = Annotated[tuple[Annotated[str, Field(min_length=1, max_length=500)], ...], Field(max_length=1000)]
+_Path = Annotated[Line, Field(max_length=500)]
+Paths = Annotated[tuple[_Path, ...], Field(max_length=1000)]
 
 
 def _no_folder(name: object) -> object:
@@ -54,7 +56,7 @@ class DiffSection(StrictModel):
 class LockSection(DiffSection):
     """Options of ``lock``."""
 
-    file: str | None = Field(None, min_length=1, max_length=500, description="the lock file")
+    file: _Path | None = Field(None, description="the lock file")
 
 
 class Config(StrictModel):

@@ -52,3 +52,16 @@ def test_errors(plcgen, source):
     assert not Path("plcgen.lock.yaml").exists()
     assert plcgen("lock", "b.db", "--json").code == 2
     assert plcgen("lock", "--check").code == 1
+
+
+@pytest.mark.parametrize(
+    ("start", "said"), [("'x\u200by'", "the character U+200B in DB B"), (f"'{'x' * 2000}'", "a text of 20")]
+)
+def test_what_is_written_can_be_read_again(plcgen, source, start, said):
+    """What a lock cannot hold is told when it would be written, not when it is compared."""
+    source.write_text(SOURCE.replace("a : Word", f"a : String[9] := {start}"), encoding="utf-8")
+    result = plcgen("lock", "b.db")
+    assert result.code == 1
+    assert f"error[PG633]: a lock cannot keep {said}" in result.err
+    assert "b.db:1:1" in result.err
+    assert not Path("plcgen.lock.yaml").exists()

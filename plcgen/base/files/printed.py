@@ -21,6 +21,9 @@ MAX_TEXT = 1000
 MAX_NAME = 128
 """Longest name in characters: that of a tag of the TIA Portal; targets have limits of their own."""
 
+MAX_STORED = 2000
+"""Longest text in characters of a file that plcgen writes itself: a member with its type and start value."""
+
 _FILLERS = re.compile("[\u034f\u115f\u1160\u17b4\u17b5\u2800\u3164\uffa0]")
 """Letters and marks that are printable by their category, and show nothing."""
 _LETTER = re.compile(r"[^\W\d_]")
@@ -43,7 +46,8 @@ def says_something(reason: str) -> bool:
     return len(_LETTER.findall(reason)) > 1
 
 
-def _printed(value: str) -> str:
+def printed(value: str) -> str:
+    """The text itself. Raises what a validator raises if it has a character that a printed text must not have."""
     odd = unprintable(value)
     if odd:
         line = odd in "\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029"
@@ -73,12 +77,14 @@ def _reason(value: str) -> str:
 
 
 def _printed_if_text(value: object) -> object:
-    return _printed(value) if isinstance(value, str) else value
+    return printed(value) if isinstance(value, str) else value
 
 
 _Bounded = Annotated[str, Field(max_length=MAX_TEXT)]
-Printed = Annotated[_Bounded, AfterValidator(_printed)]
+Printed = Annotated[_Bounded, AfterValidator(printed)]
 """Text for people, in one line: a comment, a title, a path."""
+Stored = Annotated[str, Field(max_length=MAX_STORED), AfterValidator(printed)]
+"""What plcgen has written into a file that it reads again, which anybody may have changed since."""
 _SOME_TEXT = WithJsonSchema({"type": "string", "minLength": 1, "maxLength": MAX_TEXT})
 Line = Annotated[Printed, AfterValidator(_not_blank), _SOME_TEXT]
 """A text that is not blank."""
@@ -87,7 +93,7 @@ Reason = Annotated[Printed, AfterValidator(_reason), _SOME_TEXT]
 Name = Annotated[
     str,
     Field(max_length=MAX_NAME),
-    AfterValidator(_printed),
+    AfterValidator(printed),
     AfterValidator(_name),
     WithJsonSchema({"type": "string", "minLength": 1, "maxLength": MAX_NAME}),
 ]

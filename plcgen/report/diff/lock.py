@@ -13,7 +13,7 @@ from plcgen.base.paths import trap_in
 from plcgen.base.replacing import digest_of, replace_file
 from plcgen.report.diff.lockread import read_lock
 from plcgen.report.diff.run import compare_snapshots, snapshot
-from plcgen.s7.compare.lockfile import lock_text, reduced
+from plcgen.s7.compare.lockfile import lock_text, reduced, unkept
 from plcgen.s7.compare.model import Comparison
 from plcgen.s7.compare.policyfile import load_policy
 
@@ -44,7 +44,12 @@ def write_lock(paths: Sequence[Path], path: Path, *, classic: bool = False, forc
     try:
         chosen = list(paths) or _locked_sources(path)
         state = reduced(snapshot(chosen, classic=classic))
-        found = tuple(dict.fromkeys(state.diagnostics))
+        help_ = "spell such a character as SCL does ($N, $200B), or leave this source out"
+        lost = [
+            Diagnostic("PG633", f"a lock cannot keep {what}", span or Span(str(path)), help=help_)
+            for what, span in unkept(state)
+        ]
+        found = tuple(dict.fromkeys((*state.diagnostics, *lost)))
         if has_errors(found):
             return LockResult(path, 0, False, found)  # noqa: FBT003 - see the field's name
         known = digest_of(path.resolve())

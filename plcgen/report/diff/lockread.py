@@ -11,11 +11,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, PlainValidator, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, PlainValidator, WithJsonSchema, model_validator
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Report
+from plcgen.base.files.printed import MAX_STORED, Stored, printed
 from plcgen.base.files.text import read_text
-from plcgen.base.files.validation import FileShape, StrictModel, problem, read_document
+from plcgen.base.files.validation import FileShape, Problems, StrictModel, problem, read_document
 from plcgen.base.files.yaml import YamlNode
 from plcgen.project.registry import protocols
 from plcgen.s7.compare.lockfile import ACCESS, FORMAT, content_hash
@@ -30,7 +31,6 @@ _SECTIONS |= {"return": "Return"}
 _KINDS = ("DB", "FB", "FC", "OB", "UDT")
 _HEX = re.compile(r"[0-9A-Fa-f]{2}(?: [0-9A-Fa-f]{2}){0,254}\Z")
 _OPTIMIZED = {text: value for value, text in ACCESS.items()}
-_LONGEST = 2000
 _DEEPEST = 64
 _SHAPE = frozenset({"PG104", "PG105", "PG106", "PG107"})
 """What is wrong with the shape of any file: of a lock, all of it is one code."""
@@ -57,7 +57,7 @@ class _Line(NamedTuple):
 
 
 def _line(text: object) -> _Line:
-    match = _VALUE.match(text) if isinstance(text, str) and len(text) <= _LONGEST else None
+    match = _VALUE.match(printed(text)) if isinstance(text, str) and len(text) <= MAX_STORED else None
     if match is None:
         raise problem("this is not a member: offset, size, type, start value")
     offset = bits = None
@@ -68,6 +68,11 @@ def _line(text: object) -> _Line:
     return _Line(
         offset, bits, match["type"], match["start"] or "", tuple((name, value) for name, _, value in parts if name)
     )
+
+
+def _key(text: str) -> None:
+    if len(printed(text)) > MAX_STORED:
+        raise problem(f"a name has at most {MAX_STORED} characters")
 
 
 def _number(text: object) -> object:
@@ -96,20 +101,31 @@ def _block_key(key: str) -> str:
     return key
 
 
-_MEMBER = {"type": "string", "maxLength": _LONGEST, "description": "offset, size, type, start value"}
+_MEMBER = {"type": "string", "maxLength": MAX_STORED, "description": "offset, size, type, start value"}
 Number = Annotated[int, BeforeValidator(_number), Field(le=0xFFFF_FFFF)]
-Texts = dict[str, str]
+Texts = dict[Stored, Stored]
 Members = Annotated[
-    dict[str, Annotated[_Line, PlainValidator(_line), WithJsonSchema(_MEMBER)]], Field(default_factory=dict)
+    dict[Stored, Annotated[_Line, PlainValidator(_line), WithJsonSchema(_MEMBER)]], Field(default_factory=dict)
 ]
 
 
 class _Drive(StrictModel):
     model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, str]
+    __pydantic_extra__: dict[str, Stored]
 
-    what: str
+    what: Stored
     address: Number
+
+    @model_validator(mode="before")
+    @classmethod
+    def _name_settings(cls, given: Any) -> Any:
+        """Their names are texts, too, which pydantic does not look at."""
+        problems = Problems()
+        for name in given if isinstance(given, dict) else ():
+            with problems.at(name):
+                _key(name)
+        problems.raise_any()
+        return given
 
 
 class _Telegram(StrictModel):
@@ -124,20 +140,20 @@ class _Telegram(StrictModel):
 
 
 class _Job(StrictModel):
-    drive: str
+    drive: Stored
     timing: Texts = Field(default_factory=dict)
     trigger: Texts = Field(default_factory=dict)
     telegrams: tuple[_Telegram, ...] = ()
 
 
 class _Block(StrictModel):
-    hash: str = ""
+    hash: Stored = ""
     number: Annotated[Number, Field(le=0xFFFF)] | None = None
     bytes: Number | None = None
     access: Literal["optimized", "standard", "unspecified"]
-    of: str = ""
+    of: Stored = ""
     retain: Literal["false"] | None = None
-    code: str = ""
+    code: Stored = ""
     attributes: Texts = Field(default_factory=dict)
     members: Members
     input: Members
@@ -153,11 +169,11 @@ class _Block(StrictModel):
 
 
 class _Lock(StrictModel):
-    format: str
-    sources: tuple[str, ...] = ()
-    drives: dict[str, _Drive] = Field(default_factory=dict)
-    jobs: dict[str, _Job] | None = None
-    blocks: dict[Annotated[str, AfterValidator(_block_key)], _Block]
+    format: Stored
+    sources: tuple[Stored, ...] = ()
+    drives: dict[Stored, _Drive] = Field(default_factory=dict)
+    jobs: dict[Stored, _Job] | None = None
+    blocks: dict[Annotated[Stored, AfterValidator(_block_key)], _Block]
 
 
 def _as_text(root: YamlNode) -> YamlNode:

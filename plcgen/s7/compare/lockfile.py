@@ -7,6 +7,8 @@ import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+from plcgen.base.diagnostics import Span
+from plcgen.base.files.printed import MAX_STORED, unprintable
 from plcgen.s7.compare.members import offset_text
 from plcgen.s7.compare.model import BlockState, DriveState, JobState, MemberState, Snapshot
 
@@ -70,6 +72,18 @@ def lock_text(snapshot: Snapshot, sources: Sequence[str]) -> str:
     for block in snapshot.blocks:
         lines += _block(block)
     return "\n".join(lines) + "\n"
+
+
+def unkept(snapshot: Snapshot) -> Iterator[tuple[str, Span | None]]:
+    """What a lock could not be read again with, each with the place of its block: texts too long, or of no line."""
+    for block in snapshot.blocks:
+        texts = [block_key(block), block.instance_of, *(text for row in _rows(block) for text in row[1:])]
+        for text in filter(None, texts):
+            odd = unprintable(text)
+            if odd:
+                yield f"the character U+{ord(odd):04X} in {block_key(block)[:60]}", block.span
+            elif len(text) > MAX_STORED:
+                yield f'a text of {len(text)} characters in {block_key(block)[:60]}: "{text[:40]}.."', block.span
 
 
 def content_hash(block: BlockState) -> str:
