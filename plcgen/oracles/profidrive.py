@@ -196,7 +196,7 @@ class DocumentedDrive:
         if 2 + len(values) > room:
             raise _RefusedError(TOO_LONG)
         own = TYPES[parameter.type][0]
-        code = SUBSTITUTES.get(parameter.size, own) if self.by_size else own
+        code = SUBSTITUTES.get(parameter.size, own) if self.by_size and not parameter.type.endswith("String") else own
         return bytes((code, len(address.subindices))) + values + bytes(len(values) % 2)
 
 

@@ -33,7 +33,7 @@ DRIVES: tuple[Refusal, ...] = (
     ((("toolchain", ("step7-v5",)), ("family", ("s7-1200", "s7-1500"))), "PG214"),
     ((("device", SMALL), ("drives", ("unit",))), "PG217"),
     ((("trigger", ("bit", "flags", "symbol")), ("drives", ("list",))), "PG404"),
-    ((("type", TEXTS), ("index", ("range", "many"))), "PG206"),
+    ((("type", TEXTS), ("index", ("range", "many", "last", "high"))), "PG206"),
     ((("kind", ("until",)), ("index", ("range", "many"))), "PG251"),
     ((("kind", ("until",)), ("type", TEXTS)), "PG251"),
     ((("kind", ("until",)), ("type", ("Float64",)), ("family", ("s7-300", "s7-400"))), "PG251"),

@@ -1,4 +1,4 @@
-"""A fixed sample of specs by combination: every value of every dimension, long times excepted; make pairs tries all."""
+"""A fixed sample of specs by combination: every value of every dimension; make pairs tries all."""
 
 from __future__ import annotations
 
@@ -11,20 +11,10 @@ from tests.pairs.cover import Row, cover, sample
 from tests.pairs.refusals import DRIVES, impossible, refused
 from tests.pairs.trial import tried
 
-OPEN = pytest.mark.xfail(
-    reason="open: PG641 of a recipe, octet strings at index 32766, arrays of BinaryDate on an S7-400",
-    strict=False,
-)
-"""Of the specs with drives some are red, and nobody has found out yet whether that is a fault."""
-DRIVE_ROWS = [
-    row
-    for row in sample(cover(drives.DIMENSIONS, lambda row: not refused(row, DRIVES)))
-    if row["times"] != "long"  # a minute of CPU time each: only in make pairs
-]
+DRIVE_ROWS = sample(cover(drives.DIMENSIONS, lambda row: not refused(row, DRIVES)))
 PPI_ROWS = sample(cover(ppi.DIMENSIONS, lambda row: not refused(row, ppi.REFUSALS)))
 
 
-@OPEN
 @pytest.mark.slow
 @pytest.mark.parametrize("row", DRIVE_ROWS, ids=range(len(DRIVE_ROWS)))
 def test_a_spec_with_drives_is_generated_and_verified(row: Row, tmp_path) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, groupby
 
@@ -26,6 +26,7 @@ from plcgen.ds47.plan.nouns import (
 )
 from plcgen.ds47.plan.recipes import Recipes
 from plcgen.ds47.plan.steps import divided
+from plcgen.ds47.plan.types import element_type
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.ds47.schema import BufferSettings as BufferSpec
 from plcgen.ds47.schema import DriveSections, JobEntry
@@ -34,6 +35,7 @@ from plcgen.ds47.wire.model import ParameterAddress, Request, RequestId, ValueBl
 from plcgen.project.nouns import BlockRef, Buffer, PlannedTrigger
 from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec, SpecPath
+from plcgen.project.target import Target
 from plcgen.project.triggers import plan_trigger
 from plcgen.s7.types.data_types import ELEMENTARY, Elementary
 from plcgen.s7.types.names import TIA_LIMIT, V5_LIMIT, camel_case, first_upper, pascal_case, shorten
@@ -96,7 +98,8 @@ class DriveJobPlanner:
         path, name, given, many = ("jobs", key), pascal_case(key), job.block.name, len(drives) > 1
         reference = job.reference if job.reference is not None else 1
         faq = (job.names or self.loaded.spec.plc.names) == "faq"
-        own = _own_blocks(job, kind, len(packed), len(drives), self.loaded, path, self.report)
+        works = _more_than_data_blocks(kind, uses, numbering.where)
+        own = _own_blocks(job, works, len(packed), len(drives), self.loaded, path, self.report)
         context = _Context(key, first, reference, numbering, faq=faq, many=len(packed) > 1, own=own)
         telegrams = tuple(_telegram(index, parts, job, name, context) for index, parts in enumerate(packed, 1))
         block = numbering.block("FB", given or name, (*path, "block"), job.block.number, given=bool(given))
@@ -244,17 +247,26 @@ def _units(packed: list[tuple[Part, ...]], other: list[tuple[Part, ...]]) -> str
     return ""
 
 
+def _more_than_data_blocks(kind: JobKind, uses: Sequence[Use], where: Target) -> str:
+    """Why a job cannot have its telegrams in data blocks of its own, whatever their number; empty if it can.
+
+    Their values are written by absolute addresses, and there is none of more than 4 bytes.
+    """
+    types = (element_type(use.format, where) for use in uses if use.writes and not use.constant)
+    if any(type_ is not None and type_.bits > 32 for type_ in types):
+        return "has an input of 8 bytes"
+    works = {"has a recipe": kind.recorded, "compares": kind.compares, "sets a clock": kind.sets_clock}
+    return next((work for work, does in works.items() if does), "")
+
+
 def _own_blocks(
-    job: JobEntry, kind: JobKind, telegrams: int, drives: int, loaded: LoadedSpec, path: SpecPath, report: Report
+    job: JobEntry, works: str, telegrams: int, drives: int, loaded: LoadedSpec, path: SpecPath, report: Report
 ) -> bool:
-    """Whether the telegrams have data blocks of their own; PG223 where that cannot be."""
+    """Whether the telegrams have data blocks of their own; PG223 where that cannot be, for what the job ``works``."""
     buffers = {"request": job.request, "response": job.response}
     keys = [which for which, given in buffers.items() if given.db is not None or given.name is not None]
     keys += ["buffers"] if job.buffers == "db" else []
     sized = any(given.size is not None for given in buffers.values())
-    works = (
-        "has a recipe" if kind.recorded else "compares" if kind.compares else "sets a clock" if kind.sets_clock else ""
-    )
     if telegrams == 1 and drives == 1 and not works:
         return bool(keys) or sized
     if keys:

@@ -30,12 +30,10 @@ _NUMBERS = frozenset({FormatKind.BOOLEAN, FormatKind.SIGNED, FormatKind.UNSIGNED
 class PlannedUnit:
     """A device with one parameter server: one request at a time, whatever drive object it is for.
 
-    ``number`` is its place in the gate, from 1; ``db`` holds what its channel and jobs share; ``member`` names the
-    channel in the caller; ``wait`` in ms.
+    ``db`` holds what its channel and jobs share; ``member`` names the channel in the caller; ``wait`` in ms.
     """
 
     key: str
-    number: int
     member: str
     db: BlockRef
     device: Device

@@ -107,7 +107,6 @@ class _Planner:
         name = pascal_case(key)
         unit = PlannedUnit(
             key=key,
-            number=len(self.units) + 1,
             member=shorten(f"channel{name}", limit),
             db=self.numbering.block("DB", f"{name}Unit", path),
             device=device,

@@ -81,8 +81,9 @@ class UseResolver:
             return None
         fmt, octets = settled
         values = 1 if reference.first is None or reference.last is None else reference.last - reference.first + 1
-        if octets and values > 1:
-            self.problem("PG206", f"{item.parameter}: several indexes of a string need several reads", place)
+        if octets and reference.last:
+            message = f"{item.parameter}: the elements of a string are its octets, and a request has all of them"
+            self.problem("PG206", message, place, "leave the index out")
             return None
         count = octets if fmt.is_string else values
         if count * fmt.size > MAX_TELEGRAMS * self.device.record_limit:

@@ -116,8 +116,8 @@ class Plant:
         return self
 
     def connect(self) -> None:
-        """Every unit at the addresses of its drives."""
-        for drive in self.plan.drives:
+        """Every unit that has jobs at the addresses of its drives."""
+        for drive in (one for one in self.plan.drives if one.unit.key in self.units):
             self.cpu.bus.attach(drive.id_value, self.units[drive.unit.key])
 
     # --- one scan -------------------------------------------------------------------------------------

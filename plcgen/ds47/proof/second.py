@@ -263,7 +263,8 @@ def second_drive(plan: DrivePlan, drive: PlannedDrive, first: Drive) -> profidri
         if name in profidrive.TYPES:
             values = _numbers(name, held.values, use)
             low, high, read_only = use.parameter.minimum, use.parameter.maximum, use.parameter.access == "r"
-            parameters[use.parameter.pnu] = profidrive.HeldParameter(name, values, held.array, read_only, low, high)
+            array = held.array or use.format.is_string  # of octets
+            parameters[use.parameter.pnu] = profidrive.HeldParameter(name, values, array, read_only, low, high)
     return profidrive.DocumentedDrive({_drive_object(plan, drive): parameters}, by_size)
 
 

@@ -28,6 +28,7 @@ def part(plan: DrivePlan, caller: DriveCaller, titles: tuple[str, str]) -> str:
 def calls(plan: DrivePlan, caller: DriveCaller, commands: Sequence[tuple[DriveJob, Command]]) -> FunctionBlock:
     """A caller with its instance DB."""
     title = part(plan, caller, TITLES)
+    places = {unit.key: number for number, unit in enumerate(plan.units, 1)}  # of its channel in the gate
     view = {
         "names": engine_names(plan),
         "v5": plan.target.v5,
@@ -38,20 +39,20 @@ def calls(plan: DrivePlan, caller: DriveCaller, commands: Sequence[tuple[DriveJo
         "places": RECORD_JOBS[plan.target.family],
         "gate": f'"{plan.engine.gate_db.name}".gate',
         "gate_member": GATE_MEMBER,
-        "units": [_unit(plan, unit) for unit in plan.channels(caller)],
+        "units": [_unit(plan, unit, places[unit.key]) for unit in plan.channels(caller)],
         "jobs": [_job(plan, job, command) for job, command in commands],
     }
     return FunctionBlock(caller.block, caller.instance, title, "ds47/calls.scl.j2", view, RECORD_NOTE, (), (), ())
 
 
-def _unit(plan: DrivePlan, unit: PlannedUnit) -> dict[str, Any]:
+def _unit(plan: DrivePlan, unit: PlannedUnit, place: int) -> dict[str, Any]:
     """A channel; ``index`` and ``wait`` are empty if they are what the channel has of itself."""
     index = unit.record_index if plan.target.t15 or unit.record_index <= 0x7FFF else unit.record_index - 0x10000
     return {
         "member": unit.member,
         "db": unit.db.name,
         "slots": plan.slots(unit),
-        "number": unit.number,
+        "number": place,
         "wait": "" if unit.wait == WAIT_LIMIT else str(unit.wait),
         "index": "" if unit.record_index == RECORD_INDEX else str(index),
         "key": unit.key,

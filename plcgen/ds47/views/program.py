@@ -458,7 +458,7 @@ def _own_writes(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
         if not isinstance(type_, Elementary):
             continue
         size = type_.bits // 8
-        for number in range(field.size // size):
+        for number in range(field.part.size // size):  # the interface has no pad behind an odd number of bytes
             source = name if low is None else f"{name}[{low + number}]"
             own = interface_type(field.part.use.format, 1, field.part.use.subindex, plan.target)
             cell = _CELLS[size][0]

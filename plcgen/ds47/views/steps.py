@@ -10,8 +10,9 @@ from plcgen.build.nouns import CallerValue
 from plcgen.build.spelling import literal, type_words
 from plcgen.ds47.plan.fields import interface_type
 from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Use
+from plcgen.ds47.plan.types import element_type
 from plcgen.ds47.plan.values import literals_text
-from plcgen.ds47.wire.formats import FormatKind
+from plcgen.ds47.wire.formats import FormatKind, unpack_values
 from plcgen.s7.types.data_types import Elementary
 
 _OTHERWISE = {"=": "<>", "<>": "=", "<": ">=", ">": "<=", "<=": ">", ">=": "<"}
@@ -56,8 +57,17 @@ def condition_text(plan: DrivePlan, job: DriveJob, use: Use) -> str:
     if awaited.follows:
         return f"{use.label} = bit 0 of {job.uses[0].label}"
     if awaited.bit is None:
-        return f"{use.label} {awaited.operator} {literals_text(use, plan.target)}"
+        return f"{use.label} {awaited.operator} {_wanted_text(plan, use)}"
     return f"{use.label}.{awaited.bit} {awaited.operator} {int(any(use.data))}"
+
+
+def _wanted_text(plan: DrivePlan, use: Use) -> str:
+    """What is waited for; of a type that the CPU does not have, the number."""
+    if element_type(use.format, plan.target) is not None:
+        return literals_text(use, plan.target)
+    if use.format.kind is FormatKind.OPAQUE:
+        return f"16#{use.data.hex().upper()}"
+    return str(unpack_values(use.format, 1, use.data)[0])
 
 
 def _wait(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, always: bool) -> dict[str, Any]:

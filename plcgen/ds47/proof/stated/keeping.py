@@ -37,10 +37,8 @@ def jobs_kept(
         missing = list(unreachable(rig, job)) or list(start_differences(rig, job))
         own += missing
         jobs += [] if missing else [job]
-    for place, difference in channel_differences(rig):
-        found[next((job.key for job in statement.jobs if job.drive.key == place), statement.jobs[0].key)].append(
-            difference
-        )
+    for key, difference in channel_differences(rig):
+        found[key].append(difference)
     unique, chosen = Unique(), firsts(jobs)
     every = [list(trials(rig, job, unique, first=job in chosen)) for job in jobs]
     for number in range(max(map(len, every), default=0)):
@@ -59,17 +57,17 @@ def jobs_kept(
 def channel_differences(rig: StatedRig) -> Iterator[tuple[str, Difference]]:
     """What a channel is called with: how long a job may wait for its turn; by the key of a job of the unit."""
     rig.cpu.scan()
-    waits: dict[str, int] = {}
-    for entry in rig.program.link.blocks.values():
-        if INSTANCE.fullmatch(entry.name) and entry.shape is not None:
-            names = [child.member.name for child in entry.shape.fields if child.member.name.startswith(CHANNEL)]
-            for name in names:
-                value = rig.cpu[f'"{entry.name}".{name}.waitLimit']
-                waits[name.upper()] = value if isinstance(value, int) else -1
+    blocks = [entry for entry in rig.program.link.blocks.values() if INSTANCE.fullmatch(entry.name)]
+    paths = {
+        child.member.name.upper(): f'"{entry.name}".{child.member.name}'
+        for entry in blocks
+        for child in (entry.shape.fields if entry.shape is not None else ())
+    }
     for job in {job.drive.unit: job for job in reversed(rig.statement.jobs)}.values():
         drive = job.drive
         name = f"{CHANNEL}{pascal_case(drive.unit)}"
-        found = waits.get(name.upper(), waits.get(shorten(name, V5_LIMIT).upper()))
+        path = paths.get(name.upper(), paths.get(shorten(name, V5_LIMIT).upper()))
+        found = rig.cpu[f"{path}.waitLimit"] if path is not None else None
         if found != drive.wait_ms:
             yield job.key, Difference(drive.place, f"{name} waits for {drive.wait_ms} ms", f"{found}")
 

@@ -112,7 +112,10 @@ class StatedRun:
 
 
 class StatedRig:
-    """The program with its devices; jobs of one unit run one after the other, units at the same time."""
+    """The program with its devices; jobs of one unit run one after the other, units at the same time.
+
+    So do jobs with one recipe: they have their records from one data block.
+    """
 
     def __init__(self, program: Program, statement: Statement, constants: Mapping[str, int], family: str) -> None:
         self.program, self.statement = program, statement
@@ -207,6 +210,8 @@ class StatedRig:
         for unit in [unit for unit in waiting if unit not in self.going]:
             if waiting[unit][0].due() > self.cpu.clock or (units is not None and len(self.going) >= units):
                 continue
+            if waiting[unit][0].job.recipe in {run.job.recipe for run in self.going.values()} - {""}:
+                continue  # its records would change under the other job
             self.going[unit] = waiting[unit].pop(0)
             if not waiting[unit]:
                 del waiting[unit]

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from plcgen.ds47.proof.stated.nominal import SCANS_LATE, AnyInput
-from plcgen.ds47.proof.stated.rig import DONE, SCAN, StatedRun
+from plcgen.ds47.proof.stated.rig import DONE, LONGEST_SCAN, SCAN, StatedRun
 from plcgen.ds47.proof.stated.scene import Scene
 from plcgen.oracles.spec.ds47.boundaries import Answer, failing
 from plcgen.oracles.spec.ds47.recorder import HeardTelegram, Key
@@ -35,7 +35,7 @@ def timed_runs(scene: Scene) -> Iterator[Sequence[StatedRun]]:
     if job.timeout_ms - spare_ms(job) > 0:
         yield [silent(scene, too_long=False)]
     yield [retried(scene)]
-    if not job.steps[0].once and job.retries:
+    if not job.steps[0].once and job.retries and job.timeout_ms - spare_ms(job) > job.pause_ms + 2 * TELEGRAM_MS:
         yield [sent_again(scene)]
     for number, step in enumerate(job.steps):
         if step.until:
@@ -70,7 +70,7 @@ def silent(scene: Scene, *, too_long: bool) -> StatedRun:
     extra = min(job.timeout_ms // 10 + TELEGRAM_MS, MOST_OVER_MS)
     takes = job.timeout_ms + extra if too_long else job.timeout_ms - spare_ms(job)
     run.delay = lambda _kind: takes if next(first) == 0 else None
-    coarse = max(SCAN, min(job.timeout_ms // 40, 500))
+    coarse = max(SCAN, min(job.timeout_ms // 40, LONGEST_SCAN))
     run.idle = lambda: 0 if scene.device.calls else coarse
     return run
 
@@ -83,7 +83,7 @@ def retried(scene: Scene) -> StatedRun:
     def pace() -> int:
         calls = scene.device.calls
         left = calls[-1][0] + job.pause_ms - scene.rig.cpu.clock if calls else SCAN
-        return max(1, min(left - 1, SCAN if not calls else left))
+        return max(1, min(left - 1, LONGEST_SCAN if calls else SCAN))
 
     def ends(run: StatedRun) -> None:
         times = [at for at, kind in run.calls if kind == "WRREC"]

@@ -118,17 +118,12 @@ class DriveWording:
         return self._entry(name, path[-1]) if name in self.entries else None
 
     def assigned(self, block: Block, path: str) -> frozenset[str] | None:
-        """What stands behind the start value of a place: the name of a record, or what its member says."""
+        """What stands behind the start value of a place: the name of a record; of an element of an array nothing."""
         name = block.name.upper()
         if name in self.records:
             number = int(re.findall(r"\[(\d+)\]", path)[0])
             return frozenset(self.records[name].names[number - 1 : number])
-        if name not in self.buffers:
-            return None
-        job, at, answer = self.buffers[name]
-        fields = job.telegrams[at].buffers[answer].fields
-        place = next((field.offset for field in fields if field.name == path.partition("[")[0]), None)
-        return None if place is None else self.meaning(name)[place]
+        return frozenset({""}) if name in self.buffers else None
 
     def meaning(self, name: str) -> Meanings:
         """Texts of the bytes of a telegram."""
@@ -291,8 +286,9 @@ class DriveWording:
         return text.removesuffix(": all other bits as they were read") in called.values()
 
     def retains(self, block: Block) -> bool:
-        """The records of a recipe."""
-        return block.name.upper() in self.records
+        """The records of a recipe, unless the spec says otherwise."""
+        recipe = self.records.get(block.name.upper())
+        return recipe is not None and self.plan.spec.recipes[recipe.key].retain
 
     def starts(self, block: Block) -> dict[str, bytes | str] | None:
         """Start values of the pins of a job: its inputs have those that its telegrams have."""
@@ -318,7 +314,8 @@ class DriveWording:
         """Whether a line says which access has a number: what is done with which parameter, or what is waited for."""
         step = f"step {use.step} " if use.step else ""
         if not self.english:
-            waits = use.awaited is None or any(waits_for(one, job, use, called) for one in _CONDITION.findall(text))
+            conditions = _CONDITION.findall(text) if use.awaited is not None else ()
+            waits = use.awaited is None or any(waits_for(c, job, use, called, english=False) for c in conditions)
             front = f"{use.position}: {step}{'' if use.awaited else called}"
             return waits and states(text, front)
         front = f"{use.position}: {step}"

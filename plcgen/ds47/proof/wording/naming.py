@@ -11,6 +11,7 @@ import re
 from plcgen.ds47.plan.nouns import DriveJob, Use
 from plcgen.ds47.proof.wording.meanings import AskedValue, numbers, subindices
 from plcgen.ds47.wire.formats import unpack_values
+from plcgen.proof.wording.model import stated_facts
 
 MOST_LABELS = 4
 """So many parameters stand in the title of a job."""
@@ -85,13 +86,15 @@ def first_labels(names: list[str]) -> str:
     return ", ".join(names[:MOST_LABELS]) + (", .." if len(names) > MOST_LABELS else "")
 
 
-def waits_for(text: str, job: DriveJob, use: Use, called: str) -> bool:
+def waits_for(text: str, job: DriveJob, use: Use, called: str, *, english: bool = True) -> bool:
     """Whether a text says what an access waits for: ``r722.0 = 1``, ``r21 > 100.0``, ``r106 = bit 0 of P105``."""
     awaited, found = use.awaited, _CONDITION.fullmatch(text)
     if awaited is None or found is None or found["operator"] != awaited.operator:
         return False
     if awaited.follows:
-        return found["label"] == called and found["value"] == f"bit 0 of {labels(job)[1]}"
+        wanted = f"bit 0 of {labels(job)[1]}"
+        same = found["value"] == wanted if english else stated_facts(found["value"]) == stated_facts(wanted)
+        return found["label"] == called and same
     if awaited.bit is not None:
         return found["label"] == f"{called}.{awaited.bit}" and found["value"] == str(int(any(use.data)))
     return found["label"] == called and same_number(found["value"], use, use.data[: use.format.size])

@@ -99,7 +99,7 @@ def nearest(type_: str, value: Number, shift: int) -> Number:
         return next_float(type_, float(value), shift)
     try:
         packed(type_, int(value) + shift)
-    except struct.error:
+    except (struct.error, OverflowError):
         return int(value) - shift
     return int(value) + shift
 

@@ -215,9 +215,8 @@ class RecordingDevice:
 
     def _block(self, owner: int, access: HeardAccess, data: bytes) -> bytes:
         type_ = self.types[owner, access.number]
-        code = SUBSTITUTES.get(size_of(type_), code_of(type_)) if self.by_size else code_of(type_)
-        if self.by_size and base(type_) in {"VisibleString", "OctetString"}:
-            code = code_of(type_)
+        by_size = self.by_size and not base(type_).endswith("String")  # several octets are no type of one byte
+        code = SUBSTITUTES.get(size_of(type_), code_of(type_)) if by_size else code_of(type_)
         return bytes((code, len(access.indexes))) + data + bytes(len(data) % 2)
 
 

@@ -11,6 +11,7 @@ from plcgen.oracles.spec.ds47.times import milliseconds
 TIMEOUT_MS, PAUSE_MS = 10_000, 200
 SHARE = 4, 5
 """The retries take 80 % of the timeout."""
+MOST_RETRIES = 30_000
 SIGNALS = ("execute", "busy", "done", "error", "status")
 
 
@@ -27,7 +28,7 @@ class Times:
         if self.retries is not None:
             return self.retries
         part, whole = SHARE
-        return timeout_ms * part // whole // self.pause_ms if self.pause_ms else 0
+        return min(max(1, timeout_ms * part // whole // max(1, self.pause_ms)), MOST_RETRIES)
 
 
 def times(job: Mapping[str, Any]) -> Times:

@@ -90,8 +90,9 @@ def job_on_drives(
     if entry.kind not in kinds:
         raise NotStatedError("no statement says what jobs of this kind demand")
     asked = entry.job["drive"]
-    several = not isinstance(asked, str)
-    for key in asked if several else (asked,):
+    keys = [asked] if isinstance(asked, str) else asked
+    several = len(keys) > 1
+    for key in keys:
         if key not in drives:
             raise NotStatedError(f"there is no drive {key}")
         reader = JobReader(source, entry.job, ("jobs", entry.key), drives[key])
@@ -114,7 +115,6 @@ def job_on_drives(
             wear_ms=save.distance_ms(saves) if save.saves(saves) else 0,
             restore=restore,
             verify=entry.job.get("verify") == "readback",
-            several=several,
             comments=texts(entry.job.get("comment")),
             **_of_kind(entry, source),
         )

@@ -222,7 +222,6 @@ class StatedJob:
     recipe: str = ""
     records: int = 0
     verify: bool = False
-    several: bool = False
     """Whether the job has a list of drives."""
     listing: StatedList | None = None
     comments: frozenset[str] = frozenset()
