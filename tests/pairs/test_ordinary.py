@@ -44,6 +44,9 @@ SPECS: dict[str, dict[str, Any]] = {
     "a timeout with no room for a retry": spec(
         S400, FLOAT, "jobs: {j: {drive: a, write: {P43000: null}, verify: readback, timeout: 529ms}}"
     ),
+    "a pause of nearly the whole timeout": spec(
+        S1200, FLOAT, "jobs: {j: {drive: a, write: {P43000: 1.0}, timeout: 1s, retry_pause: 854ms}}"
+    ),
     "one recipe for two drives at one time": spec(
         S400, f"{FLOAT}, P43001: {{type: C4}}", f"{RECIPE}jobs: {{j: {{drive: [a, b], compare_recipe: r}}}}", drives=2
     ),
