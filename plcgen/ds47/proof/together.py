@@ -422,7 +422,7 @@ def _off(scans: int) -> Callable[[Plant], None]:
         for drive in plant.units.values():
             drive.switch_off()
         longest = max(job.timeout for job in plant.plan.jobs) // 10
-        late = frozenset(WORDS[name] for name in ("RETRIES", "TIMEOUT"))
+        late = frozenset(WORDS[name] for name in ("RETRIES", "TIMEOUT", "NO_PLACE"))
         few = {job.key for job in plant.plan.jobs if job.retries * (job.retry_pause + 10) <= job.timeout // 3 + 1000}
         few |= {job.key for job in plant.plan.jobs if job.timeout // 3 + 2 * (job.retry_pause + 100) >= job.timeout}
         plant.until(
