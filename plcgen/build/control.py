@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from plcgen.build.members import plain
 from plcgen.build.nouns import Call, Command, FunctionBlock, MemberRow, TagRow, WatchRow
 from plcgen.build.spelling import type_words
-from plcgen.project.nouns import Frame, OwnSymbol
+from plcgen.project.nouns import Frame, OwnSymbol, flag_name
 from plcgen.s7.types.address import Address
 
 _SIGNALS = {
@@ -32,13 +32,8 @@ def signal_operand(command: Command, name: str) -> str:
     """Operand of a signal or value: its flag or symbol, else its member of the control DB."""
     flag = command.flags.get(name)
     if flag is not None:
-        return flag.text() if isinstance(flag, OwnSymbol) else f'"{flag_name(command.stem, name)}"'
+        return flag.text() if isinstance(flag, OwnSymbol) else f'"{flag_name(command.member, name)}"'
     return f'"{command.control.name}".{command.member}.{name}'
-
-
-def flag_name(stem: str, signal: str) -> str:
-    """Tag name of an absolute flag."""
-    return f"{stem}{signal.capitalize()}"
 
 
 def structure(frame: Frame, command: Command) -> MemberRow:
@@ -60,7 +55,7 @@ def tags(command: Command) -> list[TagRow]:
     """The absolute flags of a job."""
     return [
         TagRow(
-            flag_name(command.stem, signal),
+            flag_name(command.member, signal),
             "Word" if address.width_bits > 1 else "Bool",
             address.text(percent=False),
             f"{signal}: {command.title}",

@@ -103,12 +103,11 @@ def _same(name: str) -> str:
 class Command:
     """A job as its caller sees it: a structure ``member`` of the DB ``control``, or where else the spec places signals.
 
-    ``stem`` begins the names of the flags; ``pin`` gives the name of a signal or value at the block.
+    ``pin`` gives the name of a signal or value at the block.
     """
 
     control: BlockRef
     member: str
-    stem: str
     title: str
     flags: Mapping[str, Flag]
     signals: Sequence[MemberRow]

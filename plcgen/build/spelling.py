@@ -89,7 +89,7 @@ def clean_title(text: str) -> str:
     """A text without what would begin or end something else in a TITLE line."""
     for mark in _MARKS:
         text = text.replace(mark, " ".join(mark) if len(mark) > 1 else " ")
-    return text
+    return " ".join(text.split())
 
 
 @lru_cache(maxsize=65536)

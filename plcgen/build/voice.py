@@ -142,7 +142,7 @@ def _comments(frame: Frame, cultures: tuple[str, ...]) -> Mapping[str, Mapping[s
     for comment in _dictionaries(frame.loaded.spec.model_dump(exclude_none=True)):
         lines = {culture(language): one_line(text) for language, text in comment.items()}
         for tidy in (str, clean_title):
-            texts = {name: " ".join(tidy(lines[name]).split()) for name in cultures if lines.get(name)}
+            texts = {name: tidy(lines[name]) for name in cultures if lines.get(name)}
             for text in texts.values():
                 known = found.setdefault(text, texts)
                 found[text] = {name: one for name, one in known.items() if texts.get(name) == one}

@@ -42,23 +42,23 @@ def _key(master: PlannedMaster, job: PpiJob) -> str:
     return f"{master.key}.{job.key}"
 
 
-def _trigger(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> str:
+def _trigger(plan: PpiPlan, job: PpiJob) -> str:
     if job.cycle:
         return f"every {job.cycle} ms"
     flag = job.trigger.execute
-    return flag.text() if flag is not None else f'"{plan.control_db.name}".{plan.member(master, job)}.execute'
+    return flag.text() if flag is not None else f'"{plan.control_db.name}".{job.member}.execute'
 
 
 def _instance(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> JobInstance:
     address = f"station {job.station.address}, {master.module} port {master.port}, {master.baud} baud"
-    return JobInstance(_key(master, job), plan.key(master, job), job.station.key, address, _trigger(plan, master, job))
+    return JobInstance(_key(master, job), plan.key(master, job), job.station.key, address, _trigger(plan, job))
 
 
 def _writes(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Iterator[WriteEntry]:
     def entry(parameter: str, text: str, value: str, danger: str = "", *, given: bool = False) -> WriteEntry:
         return WriteEntry(
             _key(master, job), master.block.name, (job.station.key,), parameter, text, value, given, "", "",
-            _trigger(plan, master, job), "memory of the station" if not danger else "operating mode", danger,
+            _trigger(plan, job), "memory of the station" if not danger else "operating mode", danger,
             f"by the key {job.kind} of the job" if danger else "",
         )  # fmt: skip
 

@@ -149,6 +149,11 @@ class PlannedTrigger:
         return [(name, place) for name, place in self.items() if isinstance(place, OwnSymbol)]
 
 
+def flag_name(member: str, signal: str) -> str:
+    """Name of the tag that an absolute flag gets; ``member`` is that of its job."""
+    return f"{member}{signal.capitalize()}"
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PlannedJob:
     """What a caller triggers: one ``kind`` of exchange with one partner, in one or more telegrams; times in ms."""

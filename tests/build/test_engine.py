@@ -63,7 +63,7 @@ class Toy:
         speed = plain(plan, "speed", "REAL" if plan.target.v5 else "Real", "set point", start="1.5")
         controls = ref("DB", "Toys", 9)
         command = Command(
-            controls, "move", "move", "Move it", {"execute": parse_address("M50.0")}, signals(plan),
+            controls, "move", "Move it", {"execute": parse_address("M50.0")}, signals(plan),
             [CallerValue(speed, (("", "FloatingPoint"),))], [],
         )  # fmt: skip
         program = FunctionBlock(

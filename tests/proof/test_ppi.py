@@ -360,6 +360,31 @@ ORDINARY = {
         "jobs: {r: {station: pump, read: [VW100], cycle: 1s, trigger: M10.0}, "
         "s: {station: pump, read: [VW102], cycle: 1s}}}}\n"
     ),
+    "two masters of two speeds, with jobs that are called alike and have flags": (
+        "plc: {name: t, family: s7-300, toolchain: step7-v5}\n"
+        "ppi:\n"
+        "  a: {module: cp341, address: 256, stations: {s: {address: 2}}, "
+        "jobs: {r: {station: s, read: [VW100], trigger: M10.0}}}\n"
+        "  b: {module: cp341, address: 272, baud: 19200, stations: {s: {address: 2}}, "
+        "jobs: {r: {station: s, read: [VW100], trigger: M20.0}}}\n"
+    ),
+    "one poll, pauses that end in the next scan, timeouts that wait in turn, a title with marks": (
+        "plc: {name: t, family: s7-300, toolchain: step7-v5}\n"
+        "ppi: {a: {module: cp341, address: 256, polls: 1, poll_pause: 1ms, retry_pause: 1ms, ob1_cycle: 5ms, "
+        "stations: {s: {address: 2}}, jobs: {r: {station: s, read: [VW100], timeout: 1s, comment: 'level \"left\"'}, "
+        "w: {station: s, write: {VW10: null}, timeout: 2s}}}}\n"
+    ),
+    "no repetition, and hardly more time than an answer takes": (
+        "plc: {name: t, family: s7-1200, toolchain: tia-v14}\n"
+        "ppi: {a: {module: cm1241, port: 270, retries: 0, poll_pause: 1ms, ob1_cycle: 10ms, ack_timeout: 40ms, "
+        "reply_timeout: 80ms, stations: {s: {address: 2}}, jobs: {r: {station: s, read: [VW100], timeout: 700ms}, "
+        "w: {station: s, write: {VW10: null}, timeout: 700ms}}}}\n"
+    ),
+    "one constant for all elements of an array": (
+        "plc: {name: t, family: s7-1200, toolchain: tia-v19}\n"
+        "ppi: {line: {module: cm1241, port: 270, stations: {s: {address: 2}}, "
+        'jobs: {w: {station: s, write: {"VB236[20]": 0x5E}}}}}\n'
+    ),
     "two jobs of several telegrams, with keys that end in digits": (
         "plc: {name: t, family: s7-1500, toolchain: tia-v18}\n"
         "ppi: {big: {module: cm-ptp, port: 280, stations: {s: {address: 2}}, "

@@ -66,7 +66,6 @@ def command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
     return Command(
         control=job.caller.control,
         member=job.member,
-        stem=job.member,
         title=label if job.key == job.shape else f"{label} ({job.drive.key})",
         flags=dict(job.trigger.items()),
         signals=signals(plan),

@@ -12,7 +12,7 @@ from plcgen.ppi.plan.fields import FRAME_HEADER, request_fields, response_fields
 from plcgen.ppi.plan.nouns import LEAD, Kind, PlannedStation, PpiJob, PpiTelegram, PpiValue, WireItem
 from plcgen.ppi.plan.pack import Packed, pack
 from plcgen.ppi.plan.values import ValueResolver
-from plcgen.ppi.schema import VERBS, MasterJob, PpiBuffer, PpiMaster, PpiReadItem, PpiWriteItem
+from plcgen.ppi.schema import VERBS, MasterJob, PpiBuffer, PpiMaster, PpiReadItem, PpiSection, PpiWriteItem
 from plcgen.ppi.symbols import SymbolTable
 from plcgen.ppi.wire.areas import JOB_HEADER, Area
 from plcgen.ppi.wire.errors import PpiError
@@ -119,7 +119,8 @@ class JobPlanner:
         return PpiJob(
             key=key,
             number=len(self.found) + 1,
-            member=shorten(camel_case(key), limit if job.trigger is None else limit - len("Execute")),
+            stem=camel_case(key),
+            member=shorten(self._member(key), limit if job.trigger is None else limit - len("Execute")),
             kind=kind,
             link=station,
             values=values,
@@ -131,6 +132,11 @@ class JobPlanner:
             comment=job.comment or {},
             path=path,
         )
+
+    def _member(self, key: str) -> str:
+        """What all masters share knows a job by this name: with several masters it begins with its own."""
+        several = len(self.loaded.sections(PpiSection).ppi) > 1
+        return f"{camel_case(self.key)}{pascal_case(key)}" if several else camel_case(key)
 
     def _kind(self, key: str, job: MasterJob, path: SpecPath) -> Kind | None:
         given = [verb for verb in VERBS if getattr(job, verb) is not None]

@@ -134,8 +134,12 @@ class PpiTelegram(Telegram):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PpiJob(PlannedJob):
-    """One job; ``number`` counts the jobs of a master from 1, times are in ms, ``cycle`` 0 means on demand."""
+    """One job; ``number`` counts the jobs of a master from 1, times are in ms, ``cycle`` 0 means on demand.
 
+    Names at the block begin with ``stem``, those of flags with ``member``, as in the control DB: all masters share it.
+    """
+
+    stem: str
     kind: Kind
     link: PlannedStation
     telegrams: tuple[PpiTelegram, ...]
@@ -151,7 +155,7 @@ class PpiJob(PlannedJob):
 
     def pin(self, name: str) -> str:
         """Name of a signal or value at the master's block: ``levels`` and ``busy`` become ``levelsBusy``."""
-        return _pin(self.member, name, self.longest_name)
+        return _pin(self.stem, name, self.longest_name)
 
     @property
     def inputs(self) -> tuple[PpiValue, ...]:
@@ -165,9 +169,9 @@ class PpiJob(PlannedJob):
 
 
 @lru_cache(4096)
-def _pin(member: str, name: str, longest: int) -> str:
+def _pin(stem: str, name: str, longest: int) -> str:
     """Asked by the proof in every scan."""
-    return shorten(f"{member}{name[:1].upper()}{name[1:]}", longest)
+    return shorten(f"{stem}{name[:1].upper()}{name[1:]}", longest)
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +179,6 @@ class PlannedMaster:
     """One serial port as PPI master: one function block for all its jobs; times are in ms."""
 
     key: str
-    member: str
     module: str
     port: int
     own_address: int
@@ -225,10 +228,6 @@ class PpiPlan(Plan):
     def spec(self) -> PpiSection:
         """The sections of the spec that are planned here."""
         return self.loaded.sections(PpiSection)
-
-    def member(self, master: PlannedMaster, job: PpiJob) -> str:
-        """Member of a job in the control DB; with several masters it begins with the master."""
-        return f"{master.member}{job.member[:1].upper()}{job.member[1:]}" if len(self.masters) > 1 else job.member
 
     def key(self, master: PlannedMaster, job: PpiJob) -> str:
         """Name of a job in the whole spec; with several masters it begins with the master."""

@@ -20,7 +20,7 @@ from plcgen.ppi.wire.profiles import CpuProfile, profiles
 from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec
 from plcgen.protocol.base import Protocol
-from plcgen.s7.types.names import camel_case, pascal_case
+from plcgen.s7.types.names import pascal_case
 
 BAUD_RATES = (9600, 19200)
 CLASSIC_MODULES = frozenset({"cp341"})
@@ -81,7 +81,6 @@ def _master(key: str, master: PpiMaster, loaded: LoadedSpec, numbering: Numberin
     longest = times.longest_reply(jobs)
     return PlannedMaster(
         key=key,
-        member=camel_case(key),
         module=_module(key, master, loaded, report, classic=classic),
         port=_port(key, master, loaded, report, classic=classic),
         own_address=master.own_address,

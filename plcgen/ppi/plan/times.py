@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from plcgen.ppi.plan.nouns import PpiJob
+from plcgen.ppi.plan.nouns import PpiJob, PpiTelegram
 
 CHARACTER_BITS = 11
 GAP_BITS = 35
@@ -21,6 +21,11 @@ CM_CALLS = 2
 E5 = 1
 REPLY_FRAME = 23
 """Bytes of a reply around its data: 7 of the frame, 12 of the header, 2 parameters, FCS and end."""
+POLL = 6
+SYNC = 33, 28
+"""Characters of the read of SMB0 and of its reply."""
+START_CALLS, BLOCK_CALLS = 1, 3
+"""Calls before the first telegram; of a block that sets or resets a port, and the one behind its end."""
 ACK_LEAST, ACK_STATION = 250, 50
 REPLY_LEAST, REPLY_STATION = 600, 150
 """What a timeout is at least unless the spec says otherwise, and what it leaves to the station."""
@@ -38,6 +43,32 @@ def heard_ms(characters: int, baud: int, ob1: int, *, classic: bool) -> int:
     """
     calls = MORE_CALLS + -(-characters // PIECE) if classic else CM_CALLS
     return line_ms(characters * CHARACTER_BITS, baud) + line_ms(GAP_BITS, baud) + (calls + 1) * ob1
+
+
+def lengths(telegram: PpiTelegram) -> tuple[int, int]:
+    """Characters of a request and of its reply, if all items are good."""
+    return len(telegram.request.data), REPLY_FRAME + (telegram.response.size if telegram.response else 0)
+
+
+def characters(telegram: PpiTelegram) -> int:
+    """Characters of a whole exchange: request, E5, poll, reply."""
+    return sum(lengths(telegram)) + E5 + POLL
+
+
+def job_ms(job: PpiJob, baud: int, ob1: int, *, classic: bool) -> int:
+    """Milliseconds that a job takes whose station answers at once, as the first one after power-up.
+
+    A frame is sent in as many calls as it is received in. A CM is configured by two blocks first and reset before each
+    telegram, three calls each; what is not a read follows the read of SMB0.
+    """
+    exchanges = [lengths(telegram) for telegram in job.telegrams] + ([SYNC] if job.kind != "read" else [])
+    calls = START_CALLS + (0 if classic else 2 * BLOCK_CALLS)
+    frames = 0
+    for request, reply in exchanges:
+        calls += 1 + (0 if classic else BLOCK_CALLS)
+        frames += sum(heard_ms(octets, baud, ob1, classic=classic) for octets in (request, E5, POLL, reply))
+        frames -= 2 * line_ms(GAP_BITS, baud)  # nobody waits for one behind what is sent
+    return frames + calls * ob1
 
 
 def longest_reply(jobs: Iterable[PpiJob]) -> int:

@@ -10,6 +10,9 @@ from plcgen.ppi.proof.words import DONE, WORDS
 MOMENTS = 60
 """Scans of a job in which something happens to it, unless it is every one: more than a job of one telegram has."""
 
+SENDING, LAST_CALLS = 5, 10
+"""A scan in which a module sends; more calls than it takes to end if it is cancelled."""
+
 
 def spread(first: int, last: int, most: int) -> list[int]:
     """At most so many numbers from ``first`` to ``last``, both among them, evenly far apart."""
@@ -38,6 +41,12 @@ def cpu_scenarios(scans: int, clock_end: int, ob1: int, *, retentive: bool, ever
     for scan in spread(2, scans // 3, scans // 6):
         yield PpiScenario(
             name=f"scans {scan} and {scan + 1} are as long as the timeout", happens={scan: "jump", scan + 1: "jump"},
+            status=(WORDS["TIMEOUT"], WORDS["DRAIN_TIMEOUT"]), retries=None, polls=None,
+        )  # fmt: skip
+    for later in range(2, LAST_CALLS):  # the module's work ends in the very call in which nobody waits any more
+        yield PpiScenario(
+            name=f"scans {SENDING} and {SENDING + later} are as long as the timeout",
+            happens={SENDING: "jump", SENDING + later: "jump"},
             status=(WORDS["TIMEOUT"], WORDS["DRAIN_TIMEOUT"]), retries=None, polls=None,
         )  # fmt: skip
     yield PpiScenario(

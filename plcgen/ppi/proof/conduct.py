@@ -9,7 +9,7 @@ from plcgen.ppi.proof.limits import StateLimits
 from plcgen.ppi.proof.rig import MasterRig
 from plcgen.ppi.proof.scenario import PpiScenario
 from plcgen.ppi.proof.tables import litter
-from plcgen.ppi.proof.words import CLOCK_END, DONE, DRAIN_MS, GAP_BITS, LONGEST, WORDS
+from plcgen.ppi.proof.words import CLOCK_END, DONE, DRAIN_MS, GAP_BITS, LONGEST, WORDS, State
 from plcgen.proof.runner import Run
 from plcgen.proof.scenario import ScenarioError
 
@@ -30,6 +30,7 @@ class MasterConduct:
         self.codes: dict[int, int] = {}
         self.configured = False
         self.longest = 0
+        self.waits = False
         self.counts = (0, 0)
         self.limits = StateLimits(rig)
 
@@ -107,8 +108,10 @@ class MasterConduct:
         """Inputs count in the call that starts the job; later they are something else."""
         self.rig.put_inputs(wrong=not run.fresh)
         longest = self.rig.master.ob1_cycle
-        if run.scenario.twice and run.scans % 2 == 0:
-            return 0
+        if run.scenario.twice:
+            known, self.waits = self.waits, self.rig.db.get("state") == State.WAIT
+            if run.scans % 2 == 0 or self.waits > known:
+                return 0
         return run.random.randint(0, longest) if run.scenario.wild else min(run.scenario.scan, longest)
 
     def start(self, run: Run[PpiScenario]) -> None:

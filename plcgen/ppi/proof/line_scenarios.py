@@ -8,16 +8,21 @@ from dataclasses import replace
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob
 from plcgen.ppi.proof.replies import Edit, bends, changed
 from plcgen.ppi.proof.reply_scenarios import ready, refusals, wrong_replies
-from plcgen.ppi.proof.scenario import LATE_MS, POLL_MS, SCAN_MS, PpiScenario, answered_again, fault, lost_once
+from plcgen.ppi.proof.scenario import (
+    GAP_MS,
+    LATE_MS,
+    OTHERS,
+    POLL_MS,
+    REPLY_FRAME,
+    SCAN_MS,
+    SHORT_REPLY,
+    PpiScenario,
+    answered_again,
+    fault,
+    lost_once,
+)
 from plcgen.ppi.proof.words import DONE, WORDS
 from plcgen.ppi.sim.faults import At
-
-REPLY_FRAME, SHORT_REPLY = 23, 22
-"""Bytes of a reply around its data; of one to RUN or STOP."""
-GAP_MS = 4
-"""Milliseconds of the gap behind a message, 35 bit times."""
-OTHERS = bytes.fromhex("10 05 03 49 51 16")
-"""A frame of station 3 for station 5: SD1, DA, SA, FC, the sum of the three, ED."""
 
 
 def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterator[PpiScenario]:
@@ -48,7 +53,7 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
     yield PpiScenario(name="a reply of high priority (0Ah)", bend=changed(6, 0x02, sums=True), ignored=0, damaged=0)
     yield from _broken_off(silent, most)
     yield from _in_front(most, polls)
-    yield from _alone(master)
+    yield from _alone()
     for octets in (1, 3, 4, 20, -1):
         yield PpiScenario(name=f"reply that breaks off after {octets} bytes and goes on", broken=octets)
     yield PpiScenario(
@@ -226,7 +231,7 @@ def _short(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
     yield PpiScenario(name="a frame without an answer", faults=(short,), **lost_once(master))
 
 
-def _alone(master: PlannedMaster) -> Iterator[PpiScenario]:
+def _alone() -> Iterator[PpiScenario]:
     """Messages that hold nothing but a token, or the beginning of one or of a short frame; the answer comes later."""
     for data, what, damaged in (
         (b"\xdc\x03\x05", "a token", 0),
@@ -238,9 +243,8 @@ def _alone(master: PlannedMaster) -> Iterator[PpiScenario]:
         yield PpiScenario(
             name=f"{what} alone",
             faults=(noise, fault("late", "poll", milliseconds=LATE_MS)),
-            damaged=damaged if master.reply_timeout > LATE_MS + POLL_MS else None,
+            damaged=damaged,
             ignored=0,
             retries=None,
             polls=None,
-            status=(DONE,) if master.reply_timeout > LATE_MS + POLL_MS else (DONE, WORDS["NO_ANSWER"]),
         )

@@ -47,6 +47,12 @@ def pace_scenarios(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
             name="pace of the polls, every E5 late", faults=(fault("not_ready", times=None), late),
             status=(WORDS["NOT_READY"],), polls=master.polls, pace=(0, wait, LATE_MS), scan=2,
         )  # fmt: skip
+    for kind, retries, polls, possible in (("silence", 1, 1, most > 0), ("not_ready", 0, 2, master.polls > 1)):
+        if possible:
+            yield PpiScenario(
+                name=f"{kind} at the poll, two calls in every millisecond", faults=(fault(kind, "poll"),), scan=1,
+                twice=True, retries=retries, polls=polls,
+            )  # fmt: skip
     yield PpiScenario(name="reply without its last byte", faults=(fault("cut", "poll", value=-1),), **lost_once(master))
     frames = len(job.telegrams) + (job.kind != "read")
     if most and frames > 1 and (most + 3) * (ack + pause) + reply < job.timeout:

@@ -25,6 +25,18 @@ SCAN_MS = 10
 """Milliseconds between two calls where a scenario says nothing else."""
 FRAME_MS = 300
 """Milliseconds that the longest frame takes at 9600 bit/s: 255 characters of 11 bits."""
+REPLY_FRAME, SHORT_REPLY = 23, 22
+"""Bytes of a reply around its data; of one to RUN or STOP."""
+CHARACTER_BITS = 11
+"""Start bit, 8 data bits, parity, stop bit."""
+GAP_MS = 4
+"""Milliseconds of the gap behind a message, 35 bit times."""
+OTHERS = bytes.fromhex("10 05 03 49 51 16")
+"""A frame of station 3 for station 5: SD1, DA, SA, FC, the sum of the three, ED."""
+FOREIGN_BYTES, OTHER_BYTES = 68, 8
+"""Bytes of an exchange of others in front of an answer: request 33, E5, poll 6, reply 28; of anything else there."""
+FRAME_CALLS = 8
+"""Calls that a module takes for a frame, but for the longest ones through a CP 341."""
 LOST_SCANS = 3
 """When the clock of a master on S7-1200/1500 starts again, its timer needs two calls to run: that time is lost."""
 
@@ -44,7 +56,7 @@ class PpiScenario(Scenario):
     away, ``forgets``: it has been without power, but not the CPU.
 
     The CPU: ``fresh`` restarts it first, ``wild`` scans take anything up to the longest cycle of OB1, ``twice``: every
-    second one takes 0 ms, ``measured`` runs tell their longest scan.
+    second one takes 0 ms, as the first one of a pause, ``measured`` runs tell their longest scan.
 
     Expected: ``polls`` is what the diagnostics must say (None: not checked), ``errors`` those of the addresses by
     position, ``header`` and ``module`` the error words, ``pace`` the ms behind the first frame, behind every other one
@@ -110,11 +122,12 @@ def lost_once(master: PlannedMaster, polls: int = 1) -> dict[str, Any]:
 
 
 def in_time(master: PlannedMaster, job: PpiJob, scenario: PpiScenario) -> PpiScenario:
-    """The same scenario; if all that it may take does not surely fit the timeout of the job, it may end so, too."""
+    """The same scenario; where it does not surely fit the times of the spec, it may end as it does when they end."""
+    scenario = _waited(master, job, scenario)
     retries = master.retries if scenario.retries is None else scenario.retries
     polls = master.polls if scenario.polls is None else scenario.polls
     length = master.ob1_cycle if scenario.wild else scenario.scan
-    once = FRAME_MS * 9600 // master.baud + 8 * length
+    once = FRAME_MS * 9600 // master.baud + FRAME_CALLS * length
     wait = max(master.ack_timeout, master.reply_timeout) + master.retry_pause
     frames = len(job.telegrams) + (job.kind != "read")  # in front of the first may be the harmless read
     slow = len(job.telegrams) * 2 * once + sum(
@@ -126,3 +139,29 @@ def in_time(master: PlannedMaster, job: PpiJob, scenario: PpiScenario) -> PpiSce
     if slow + once + lost < job.timeout or scenario.took:
         return scenario
     return replace(scenario, status=(*scenario.status, WORDS["TIMEOUT"]), retries=None, polls=None)
+
+
+def _waited(master: PlannedMaster, job: PpiJob, scenario: PpiScenario) -> PpiScenario:
+    """The same scenario; an answer that it makes later than the master waits for it need not be heard."""
+    in_front = {FaultKind.FOREIGN: FOREIGN_BYTES, FaultKind.NOISE: OTHER_BYTES, FaultKind.TOKEN: OTHER_BYTES}
+    extra = max((in_front.get(each.kind, 0) for each in scenario.faults), default=0)
+    extra = extra or OTHER_BYTES * (scenario.bend is not None)
+    pieces = 1 + (scenario.broken != 0) + (scenario.again != 0)
+    late = {"any": 0, "request": 0, "poll": 0}
+    late |= {each.at: each.milliseconds for each in scenario.faults if each.kind is FaultKind.LATE}
+    if not extra and pieces == 1 and not any(late.values()):
+        return scenario
+    data = max((t.response.size for t in job.telegrams if t.response is not None), default=0)
+    length = master.ob1_cycle if scenario.wild else min(scenario.scan, master.ob1_cycle)
+
+    def heard(octets: int) -> int:
+        """Milliseconds that one message of so many bytes takes: its characters, the gap behind them, calls."""
+        return octets * CHARACTER_BITS * 1000 // master.baud + GAP_MS + (FRAME_CALLS // 2 + octets // 32) * length
+
+    e5 = heard(1 + extra) + max(late["any"], late["request"])
+    reply = heard(REPLY_FRAME + data + extra) + max(late["any"], late["poll"])
+    reply += (pieces - 1) * (scenario.rest + heard(0))
+    if e5 < master.ack_timeout and reply < master.reply_timeout:
+        return scenario
+    ends = dict.fromkeys((*scenario.status, WORDS["NO_ANSWER"], WORDS["NOT_READY"]))
+    return replace(scenario, status=tuple(ends), retries=None, polls=None, ignored=None, damaged=None, pace=None)

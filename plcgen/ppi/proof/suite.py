@@ -160,6 +160,7 @@ class PpiSuite:
             found.append(known("a message takes two calls, and E5 was the last one", "tempNew", (0,), (State.POLL,)))
         if master.polls == 1:
             found.append(Premise("one poll only", follow=("MAX_POLLS",)))
+            found.append(Premise("one poll only", never="POLL_PAUSE"))
             found.append(known("one poll only", "statFunctionCode", (0, 0x5C), (State.BUILD,)))
             found.append(known("one poll only", "statFunctionCode", (0x6C, 0x7C), (State.SEND, State.POLL)))
         return tuple(found)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
+from collections import deque
 from collections.abc import Iterator
 
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
 from plcgen.ppi.proof.conduct import MasterConduct
 from plcgen.ppi.proof.rig import MasterRig
-from plcgen.ppi.proof.scenario import PpiScenario
-from plcgen.ppi.proof.words import DONE, LONGEST, WORDS, State
+from plcgen.ppi.proof.scenario import FRAME_CALLS, FRAME_MS, OTHERS, PpiScenario
+from plcgen.ppi.proof.words import DONE, DRAIN_MS, LONGEST, WORDS, State
 from plcgen.ppi.sim import Fault, FaultKind
 from plcgen.ppi.wire.fdl import examine_frame
 from plcgen.ppi.wire.model import VariableFrame
@@ -70,16 +71,41 @@ def as_delivered(rig: MasterRig) -> None:
         raise ScenarioError("something is sent although no job was started")
     for job in jobs:
         cpu[_control(rig, job, "execute")] = True
-    waiting = list(jobs)
-    for _ in range(sum(job.timeout for job in jobs) // step(rig) + 100):
+    waiting, crowd = list(jobs), Crowd(rig)
+    for _ in range(crowd.longest // step(rig) + 100):
         cpu.scan(step(rig))
-        failed = next((job for job in waiting if cpu[_control(rig, job, "error")]), None)
+        failed = next((job for job in waiting if cpu[_control(rig, job, "error")] and not crowd.again(job)), None)
         if cpu.misuses or failed is not None:
             raise ScenarioError("misuse" if failed is None else f"{failed.key} ends with an error")
         waiting = [job for job in waiting if not cpu[_control(rig, job, "done")]]
         if not waiting:
             return
     raise ScenarioError(f"{waiting[0].key} never ended")
+
+
+class Crowd:
+    """Jobs that want the port at the same time, and which of them have less time than all of them take together.
+
+    Such a job may end because others have the port; it is started again, and gets its turn within ``longest`` ms.
+    """
+
+    def __init__(self, rig: MasterRig) -> None:
+        self.rig, jobs = rig, rig.master.jobs
+        frame = FRAME_MS * 9600 // rig.master.baud + FRAME_CALLS * step(rig)
+        needed = sum(2 * frame * (len(job.telegrams) + (job.kind != "read")) for job in jobs)
+        self.pressed = [job for job in jobs if job.timeout <= needed and len(jobs) > 1]
+        self.longest = sum(job.timeout for job in jobs) + (len(jobs) * needed if self.pressed else 0)
+
+    def again(self, job: PpiJob) -> bool:
+        """Start a job once more whose time is over; False if it had time enough or another reason to fail."""
+        cpu = self.rig.cpu
+        status = cpu[_control(self.rig, job, "status")]
+        if job not in self.pressed or status not in {WORDS["TIMEOUT"], WORDS["PORT_OCCUPIED"]}:
+            return False
+        cpu[_control(self.rig, job, "execute")] = False
+        cpu.scan(step(self.rig))
+        cpu[_control(self.rig, job, "execute")] = True
+        return True
 
 
 # --- all jobs at once, through OB1 ----------------------------------------------------------------------------
@@ -94,17 +120,11 @@ def together(rig: MasterRig) -> None:
 
 
 def _control(rig: MasterRig, job: PpiJob, signal: str) -> str:
-    """Path of a signal as the caller supplies it: a flag, or a member of the control DB.
-
-    With several masters the member begins with the name of the master.
-    """
+    """Path of a signal as the caller supplies it: a flag, or a member of the control DB."""
     address = getattr(job.trigger, signal, None)
     if address is not None:
         return str(address)
-    member = job.member
-    if len(rig.plan.masters) > 1:
-        member = f"{rig.master.member}{member[:1].upper()}{member[1:]}"
-    return f'"{rig.plan.control_db.name}".{member}.{signal}'
+    return f'"{rig.plan.control_db.name}".{job.member}.{signal}'
 
 
 def _round(rig: MasterRig, number: int) -> None:
@@ -117,13 +137,13 @@ def _round(rig: MasterRig, number: int) -> None:
         cpu[_control(rig, job, "execute")] = True
     rig.port.sent.clear()
     ended: dict[str, int] = {}
-    longest = sum(job.timeout for job in jobs)
-    for scan in range(longest // step(rig) + 100):
+    crowd = Crowd(rig)
+    for scan in range(crowd.longest // step(rig) + 100):
         cpu.scan(step(rig))
         if cpu.misuses:
             raise ScenarioError("misuse")
         for job in jobs:
-            if cpu[_control(rig, job, "error")]:
+            if cpu[_control(rig, job, "error")] and not crowd.again(job):
                 status = cpu[_control(rig, job, "status")]
                 raise ScenarioError(f"round {number}: {job.key} ends with 16#{status:04X}")
             if cpu[_control(rig, job, "done")] and job.key not in ended:
@@ -153,12 +173,13 @@ def _compare(rig: MasterRig, job: PpiJob) -> None:
 
 def _occupied(rig: MasterRig) -> None:
     """A job that waits for the port for its whole timeout says so; afterwards everything works."""
-    jobs, cpu = rig.master.jobs, rig.cpu
+    jobs, cpu = sorted(rig.master.jobs, key=lambda job: -job.timeout), rig.cpu
     rig.port.hang = True
     words: set[int] = set()
     for _ in range(2):  # on an S7-1200/1500 even a single job waits the second time: the module is still sending
-        for job in jobs:
+        for job in jobs:  # the first one has the port, and no other waits as long
             cpu[_control(rig, job, "execute")] = True
+            cpu.scan(50)
         slowest = max(job.timeout for job in jobs)
         for _ in range(slowest // 50 + 200):
             cpu.scan(50)
@@ -278,27 +299,30 @@ def longest_scan(rig: MasterRig) -> None:
 def _noise(rig: MasterRig, octets: int) -> int:
     """Most statements of one call while so many start bytes come instead of a reply; the job works nevertheless."""
     rig.cpu.restart("cold")
-    rig.line.faults[:] = [Fault(FaultKind.SILENCE, times=1, at="poll")]
     rig.port.sent.clear()
-    rig.db.set(rig.pin("execute"), 1)
-    noise = bytes((START,)) * octets
-    most = 0
-    for _ in range(rig.job.timeout // step(rig)):
-        if noise and rig.db.get("state") == State.REPLY:
-            rig.port.deliver(noise)
-            noise = b""
-        before = rig.cpu.counters[rig.source.probes]
-        rig.cpu.call(rig.db.block, step(rig))
-        most = max(most, rig.statements(before))
-        if not rig.db.flag(rig.pin("busy")):
-            break
+    most = max(_hearing(rig, bytes((START,)) * octets))
     status = rig.db.get(rig.pin("status"))
-    rig.db.set(rig.pin("execute"), 0)
     if rig.cpu.misuses:
         raise ScenarioError("misuse")
     if status not in {DONE, WORDS["NO_ANSWER"], WORDS["TIMEOUT"]}:
         raise ScenarioError(f"{octets} bytes of noise end the job with 16#{status:04X}")
     return most
+
+
+def _hearing(rig: MasterRig, message: bytes) -> Iterator[int]:
+    """Run the job; a message comes instead of its first reply. Statements of each call."""
+    rig.line.faults[:] = [Fault(FaultKind.SILENCE, times=1, at="poll")]
+    rig.db.set(rig.pin("execute"), 1)
+    for _ in range((rig.job.timeout + DRAIN_MS) // step(rig)):
+        if message and rig.db.get("state") == State.REPLY:
+            rig.port.deliver(message)
+            message = b""
+        before = rig.cpu.counters[rig.source.probes]
+        rig.cpu.call(rig.db.block, step(rig))
+        yield rig.statements(before)
+        if not rig.db.flag(rig.pin("busy")):
+            break
+    rig.db.set(rig.pin("execute"), 0)
 
 
 # --- many in a row --------------------------------------------------------------------------------------------
@@ -327,12 +351,10 @@ def row(rig: MasterRig) -> None:
 
 def full_counters(rig: MasterRig) -> None:
     """The counts of frames passed over and damaged stay at their highest value."""
-    for kind, name in ((FaultKind.FOREIGN, "ignored"), (FaultKind.NOISE, "damaged")):
+    for message, name in ((OTHERS, "ignored"), (b"\xff", "damaged")):
         rig.cpu[f'"{rig.db.block}".stat{name.capitalize()}'] = FULL - 1
         for _ in range(2):
-            rig.line.faults[:] = [Fault(kind, times=None, at="poll", data=b"\xff" if kind is FaultKind.NOISE else b"")]
-            _once(rig, rig.job.timeout // step(rig), step(rig))
-            rig.db.set(rig.pin("execute"), 0)
+            deque(_hearing(rig, message), maxlen=0)
             rig.cpu.call(rig.db.block, step(rig))
             if rig.db.get(f"{name}Frames") != FULL:
                 raise ScenarioError(f"diagnostics.{name}Frames goes from {FULL - 1} to {rig.db.get(f'{name}Frames')}")

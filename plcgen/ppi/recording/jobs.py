@@ -64,7 +64,7 @@ class PpiJobWatch:
     def __init__(self, cpu: Cpu, watch: MasterWatch, job: PpiJob) -> None:
         plan, master = watch.plan, watch.master
         flag = job.trigger.execute
-        member = f'"{plan.control_db.name}".{plan.member(master, job)}.execute'
+        member = f'"{plan.control_db.name}".{job.member}.execute'
         self._cpu, self._watch, self._job = cpu, watch, job
         self.facts = JobFacts(
             plan.key(master, job),

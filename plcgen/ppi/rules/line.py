@@ -7,7 +7,17 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, Note, Severity, Span
-from plcgen.ppi.plan.times import E5, heard_ms, longest_reply
+from plcgen.ppi.plan.times import (
+    ACK_STATION,
+    CHARACTER_BITS,
+    E5,
+    REPLY_STATION,
+    characters,
+    heard_ms,
+    job_ms,
+    line_ms,
+    longest_reply,
+)
 from plcgen.project.rules.places import key_or_value, node_at
 from plcgen.s7.types.durations import spelled
 
@@ -18,8 +28,6 @@ if TYPE_CHECKING:
 _SIGNALS = ("execute", "busy", "done", "error", "status", "errors")
 _OWN = frozenset({"port", "moduleaddress", "diagnostics"})
 _PREFIXED = re.compile(r"(?:[Ss]tat|[Tt]emp|[Ii]nst)[A-Z0-9]")
-_CHARACTER_BITS = 11
-_POLL = 6
 
 
 def checks(plan: PpiPlan) -> Iterator[Diagnostic]:
@@ -30,9 +38,9 @@ def checks(plan: PpiPlan) -> Iterator[Diagnostic]:
         yield from _addresses(plan, master)
         yield from _pins(plan, master)
         yield from _waits(plan, master)
+        yield from _times(plan, master)
         for job in master.jobs:
             yield from _members(plan, job)
-            yield from _times(plan, master, job)
 
 
 def _addresses(plan: PpiPlan, master: PlannedMaster) -> Iterator[Diagnostic]:
@@ -76,8 +84,7 @@ def _control_members(plan: PpiPlan) -> Iterator[Diagnostic]:
     first: dict[str, SpecPath] = {}
     for master in plan.masters:
         for job in master.jobs:
-            name = f"{master.member if len(plan.masters) > 1 else ''}{job.member}".lower()
-            earlier = first.setdefault(name, job.path)
+            earlier = first.setdefault(job.member.lower(), job.path)
             if earlier is not job.path:
                 yield Diagnostic(
                     "PG406",
@@ -140,40 +147,62 @@ def _members(plan: PpiPlan, job: PpiJob) -> Iterator[Diagnostic]:
             )
 
 
-def _times(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Iterator[Diagnostic]:
-    """PG311: the line is slower than timeout or cycle."""
-    characters = 0
-    for telegram in job.telegrams:
-        data = telegram.response.size if telegram.response is not None else 0
-        characters += len(telegram.request.data) + 1 + _POLL + 23 + data
-    line = -(-characters * _CHARACTER_BITS * 1000 // master.baud)
-    shown = spelled(line)
-    for key, value, severity in (("timeout", job.timeout, Severity.ERROR), ("cycle", job.cycle, Severity.WARNING)):
-        if value and value < line:
+def _times(plan: PpiPlan, master: PlannedMaster) -> Iterator[Diagnostic]:
+    """PG311: a job takes longer than its timeout or its cycle, or waits longer until the jobs before it have ended."""
+    within = f"at {master.baud} bit/s with cycles of OB1 of up to {spelled(master.ob1_cycle)}"
+    took = [job_ms(job, master.baud, master.ob1_cycle, classic=plan.target.classic) for job in master.jobs]
+    for job, least in zip(master.jobs, took, strict=True):
+        line = line_ms(CHARACTER_BITS * sum(map(characters, job.telegrams)), master.baud)
+        if job.cycle and job.cycle < line:
             yield Diagnostic(
                 "PG311",
-                f"the telegrams take {shown} on the line; the {key} is {spelled(value)}",
-                key_or_value(plan, (*job.path, key)),
-                severity,
+                f"the telegrams take {spelled(line)} on the line; the cycle is {spelled(job.cycle)}",
+                key_or_value(plan, (*job.path, "cycle")),
+                Severity.WARNING,
                 help=f"at {master.baud} bit/s: allow more time, or read less",
+            )
+        given = f"; the timeout is {spelled(job.timeout)}"
+        if job.timeout < least:
+            yield Diagnostic(
+                "PG311",
+                f"the job takes {spelled(least)}{given}",
+                key_or_value(plan, (*job.path, "timeout")),
+                help=f"{within}: allow more time, or read less",
+            )
+        elif job.timeout < sum(took):
+            yield Diagnostic(
+                "PG311",
+                f"the jobs of the master take {spelled(sum(took))} one after the other{given}",
+                key_or_value(plan, (*job.path, "timeout")),
+                Severity.WARNING,
+                help=f"{within}: started together with the others it may end with 16#8104 before its turn",
             )
 
 
 def _waits(plan: PpiPlan, master: PlannedMaster) -> Iterator[Diagnostic]:
-    """PG311: a timeout is over before an answer that comes at once can have been received."""
+    """PG311: a timeout is over before an answer that comes at once can have been received, or hardly later."""
     longest = longest_reply(master.jobs)
-    waits = (("ack_timeout", master.ack_timeout, E5, "E5"), ("reply_timeout", master.reply_timeout, longest, "a reply"))
-    for key, value, characters, what in waits:
-        least = heard_ms(characters, master.baud, master.ob1_cycle, classic=plan.target.classic)
-        if value < least:
-            more = f" of {characters} bytes" if characters > E5 else ""
-            yield Diagnostic(
-                "PG311",
-                f"{key} ends after {spelled(value)}, before {what}{more} can have been received",
-                key_or_value(plan, (*master.path, key)),
-                help=f"at least {spelled(least)}, at {master.baud} bit/s with cycles of OB1 of up to "
-                f"{spelled(master.ob1_cycle)}; without the key it is computed",
+    for key, value, octets, what, station in (
+        ("ack_timeout", master.ack_timeout, E5, "E5", ACK_STATION),
+        ("reply_timeout", master.reply_timeout, longest, f"a reply of {longest} bytes", REPLY_STATION),
+    ):
+        least = heard_ms(octets, master.baud, master.ob1_cycle, classic=plan.target.classic)
+        if value >= least + station:
+            continue
+        message, severity = f"{key} ends after {spelled(value)}, before {what} can have been received", Severity.ERROR
+        if value >= least:
+            message, severity = (
+                f"{key} leaves {spelled(value - least)} to the station, of {spelled(value)}",
+                Severity.WARNING,
             )
+        yield Diagnostic(
+            "PG311",
+            message,
+            key_or_value(plan, (*master.path, key)),
+            severity,
+            help=f"at least {spelled(least)} at {master.baud} bit/s with cycles of OB1 of up to "
+            f"{spelled(master.ob1_cycle)}, and {spelled(station)} for the station; without the key it is computed",
+        )
 
 
 def member_span(plan: PpiPlan, value: PpiValue) -> Span:

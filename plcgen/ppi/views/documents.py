@@ -10,7 +10,7 @@ from plcgen.build.members import fixed
 from plcgen.build.nouns import Contribution, GuidePart, TypeBlock
 from plcgen.build.spelling import literal
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiPlan, PpiValue
-from plcgen.ppi.plan.times import GAP_BITS
+from plcgen.ppi.plan.times import GAP_BITS, line_ms
 from plcgen.ppi.views.program import MAX_MESSAGE, MODULES, program
 from plcgen.ppi.words import DIAGNOSTICS
 from plcgen.s7.types.data_types import Elementary
@@ -36,6 +36,7 @@ def contribution(plan: PpiPlan) -> Contribution:
 
 def _guide(plan: PpiPlan) -> tuple[list[GuidePart], list[GuidePart]]:
     """Modules and their settings, numbers of the buffers, what is written."""
+    speeds = sorted({master.baud for master in plan.masters})
     view = {
         "masters": [
             {
@@ -43,10 +44,11 @@ def _guide(plan: PpiPlan) -> tuple[list[GuidePart], list[GuidePart]]:
                 "module": MODULES[master.module],
                 "baud": master.baud,
                 "port": master.port,
-                "gap_ms": max(4, -(-35_000 // master.baud)),
             }
             for master in plan.masters
         ],
+        "speed": f"{speeds[0]} bit/s" if len(speeds) == 1 else "the speed of its master above",
+        "gap_ms": max(4, line_ms(GAP_BITS, speeds[0])),
         "gap_bits": GAP_BITS,
         "most": MAX_MESSAGE,
         "writes": [row for master in plan.masters for row in _writes(plan, master)],
@@ -67,7 +69,8 @@ def _writes(plan: PpiPlan, master: PlannedMaster) -> Iterator[dict[str, str]]:
 def written_value(plan: PpiPlan, value: PpiValue) -> str:
     """What a job writes: its constant, or that an input of the block says it."""
     if value.constant and isinstance(value.element, Elementary):
-        return literal(value.element, value.data[: value.size], v5=plan.target.v5)
+        text = literal(value.element, value.data[: value.size], v5=plan.target.v5)
+        return f"{value.count} times {text}" if value.count > 1 else text
     return "block input"
 
 

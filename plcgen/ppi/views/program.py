@@ -53,7 +53,7 @@ def program(plan: PpiPlan, master: PlannedMaster) -> FunctionBlock:
         },
         note=SERIAL_NOTE,
         buffers=[pair for t in master.telegrams for pair in buffer_blocks(plan, t, titles[t.number])],
-        commands=[command(plan, master, job) for job in master.jobs],
+        commands=[command(plan, job) for job in master.jobs],
         telegrams=[
             f"telegram {t.number}: {titles[t.number]}: `{t.request.data.hex(' ').upper()}` "
             f"({len(t.request.data)} bytes; function code, reference, FCS and inputs change)"
@@ -74,8 +74,8 @@ def _stored(plan: PpiPlan, master: PlannedMaster, label: str) -> list[DataBlock 
     return found + ([DataBlock(master.buffer, f"Frames: {label}", _frames(plan))] if master.buffer else [])
 
 
-def command(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Command:
-    """A job as its caller sees it; with several masters its member begins with the master."""
+def command(plan: PpiPlan, job: PpiJob) -> Command:
+    """A job as its caller sees it."""
     texts = {"busy": "the job is running or waits for the port"}
     if job.cycle:
         texts["execute"] = f"TRUE: the job runs every {job.cycle} ms"
@@ -87,8 +87,7 @@ def command(plan: PpiPlan, master: PlannedMaster, job: PpiJob) -> Command:
         outputs.append(CallerValue(errors, tuple((f"[{number}]", "Hex") for number in range(1, len(job.values) + 1))))
     return Command(
         control=plan.control_db,
-        member=plan.member(master, job),
-        stem=job.member,
+        member=job.member,
         title=job_title(plan, job),
         flags=dict(job.trigger.items()),
         signals=signals(plan, texts, starts=bool(job.cycle)),

@@ -22,6 +22,7 @@ RULES: tuple[Callable[[Project], Iterator[Diagnostic]], ...] = (
     flags.overlap,
     flags.flags_out_of_range,
     flags.symbols,
+    flags.tags,
     names.check_names,
     names.lookalikes,
     names.block_names,

@@ -6,6 +6,7 @@ from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, Note, Span
+from plcgen.project.nouns import OwnSymbol, flag_name
 from plcgen.project.rules.places import node_at
 from plcgen.project.spec import SpecPath
 from plcgen.s7.types.address import Address
@@ -57,6 +58,29 @@ def symbols(project: Project) -> Iterator[Diagnostic]:
                     help="one signal would overwrite the other: use another tag",
                     notes=(Note("first use", place),),
                 )
+
+
+def tags(project: Project) -> Iterator[Diagnostic]:
+    """PG406: the tag that a flag gets has the name of another one, or of a tag of the user's own program."""
+    named = [(job, signal, flag) for job in project.jobs for signal, flag in job.trigger.items()]
+    first: dict[str, tuple[str, Span]] = {}
+    for job, signal, flag in named:
+        if isinstance(flag, OwnSymbol) and not flag.members:
+            place = _span(project, (*job.path, "trigger", signal))
+            first.setdefault(flag.name.lower(), (f"a tag of your own program, {signal} of {job.key}", place))
+    for job, signal, flag in named:
+        if not isinstance(flag, Address):
+            continue
+        name, span = flag_name(job.member, signal), _span(project, (*job.path, "trigger", signal))
+        what, place = first.setdefault(name.lower(), (f"{signal} of {job.key}", span))
+        if place is not span:
+            yield Diagnostic(
+                "PG406",
+                f'the tag of {flag} ({signal} of {job.key}) is called "{name}", and so is {what}',
+                span,
+                help="rename one of the jobs",
+                notes=(Note("first use", place),),
+            )
 
 
 def flags_out_of_range(project: Project) -> Iterator[Diagnostic]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, Note, Severity
 from plcgen.base.files.lookalikes import skeleton
+from plcgen.project.nouns import flag_name
 from plcgen.project.part import Named
 from plcgen.project.rules.places import by_importance, key_or_value, name_span, node_at
 from plcgen.s7.types.names import ROLES, check_name, is_identifier
@@ -83,7 +84,7 @@ def _taken(project: Project) -> Iterator[tuple[str, str, Span | None]]:
     for job in project.jobs:
         for signal in dict(job.trigger.flags()):
             span = key_or_value(project, (*job.path, "trigger", signal))
-            yield f"{job.member}{signal.capitalize()}", f'the {signal} flag of job "{job.key}"', span
+            yield flag_name(job.member, signal), f'the {signal} flag of job "{job.key}"', span
 
 
 def lookalikes(project: Project) -> Iterator[Diagnostic]:

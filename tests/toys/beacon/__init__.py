@@ -180,7 +180,7 @@ class Beacon:
         buffer = job.telegrams[0].request
         members = [buffer_member(plan, buffer.db, field, {}, field.name, starts=True) for field in buffer.fields]
         frame = TypeBlock(buffer.type, members), DataBlock(buffer.db, "Frame", members, assignments(members))
-        command = Command(plan.control, job.member, job.member, f"Switch {job.key}", {}, signals(plan), [], [])
+        command = Command(plan.control, job.member, f"Switch {job.key}", {}, signals(plan), [], [])
         title, template = f"Switch {job.key}", "beacon:templates/lamp.scl.j2"
         view = {"name": block.name}
         return FunctionBlock(

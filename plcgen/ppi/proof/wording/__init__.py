@@ -119,7 +119,7 @@ class PpiWording:
         return _sentence("master", name, baud=master.baud)
 
     def _command(self, path: Sequence[str]) -> frozenset[str] | None:
-        found = next((pair for pair in self.all_jobs if self.plan.member(*pair) == path[0]), None)
+        found = next((pair for pair in self.all_jobs if pair[1].member == path[0]), None)
         if found is None:
             return frozenset({EMPTY}) if list(path) == ["unused"] else None
         job = found[1]

@@ -28,7 +28,6 @@ LEAST_GAP_MS = 4
 
 def guide_before(plan: PpiPlan) -> list[GuideLine]:
     """Modules with their settings, numbers of data blocks, what is written."""
-    baud = plan.masters[0].baud
     where = "hardware identifier" if plan.target.t15 else "address"
     found = [
         "## PPI masters",
@@ -36,21 +35,23 @@ def guide_before(plan: PpiPlan) -> list[GuideLine]:
             f"- `{one.block.name}`: {MODULES[one.module]} at {where} {one.port}, {one.baud} bit/s"
             for one in plan.masters
         ),
-        *_module(plan, baud),
+        *_module(plan),
     ]
     writes = [line for master in plan.masters for line in _writes(master)]
     head = [GuideLine("## What these masters write"), GuideLine("| job | station | address | value |")]
     return [*map(GuideLine, found), *(head if writes else []), *writes]
 
 
-def _module(plan: PpiPlan, baud: int) -> Iterator[str]:
-    """How the module is set, and where its blocks come from."""
+def _module(plan: PpiPlan) -> Iterator[str]:
+    """How the modules are set, and where their blocks come from; what differs is said of each master."""
+    slowest, fastest = min(one.baud for one in plan.masters), max(one.baud for one in plan.masters)
+    speed = f"{slowest} bit/s" if slowest == fastest else "the speed of its master above"
     if plan.target.t15:
-        yield from _said("cm", baud=baud, gap=GAP_BITS, longest=LONGEST)
+        yield from _said("cm", speed=speed, gap=GAP_BITS, longest=LONGEST)
         return
-    gap = max(LEAST_GAP_MS, -(-GAP_BITS * 1000 // baud))
+    gap = max(LEAST_GAP_MS, -(-GAP_BITS * 1000 // slowest))
     for part in ("cp", "v5" if plan.target.v5 else "tia", "buffers"):
-        yield from _said(part, baud=baud, gap=gap, longest=LONGEST)
+        yield from _said(part, speed=speed, gap=gap, longest=LONGEST)
     yield from (f"| {one.buffer.name} | DB{one.buffer.number} |" for one in plan.masters if one.buffer is not None)
 
 
@@ -77,9 +78,13 @@ def _written(front: str, value: PpiValue) -> GuideLine:
 
 def says_value(value: PpiValue, text: str) -> bool:
     """Whether a cell names what is written: a constant, or that an input says it."""
-    if not value.constant or value.count > 1:
+    if not value.constant:
         return text == "block input"
     data = value.data[: value.size]
+    if value.count > 1:
+        times, _, text = text.partition(" times ")
+        if times != str(value.count) or value.data != data * value.count:
+            return False
     if text in {"TRUE", "FALSE"}:
         return (text == "TRUE") == any(data)
     if (found := re.fullmatch(r"(?:[A-Z]+#)?16#([0-9A-F]+)", text)) is not None:
