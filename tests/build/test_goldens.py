@@ -45,6 +45,7 @@ def test_examples_are_what_the_shipped_specs_generate(spec: Path, tmp_path: Path
         assert found["manifest.json"] == manifest
 
 
+@pytest.mark.slow
 def test_no_generated_member_needs_quotes() -> None:
     """The TIA Portal has names of members in quotes that are words of SCL or of its own: DB is one of them."""
     sources = [path for spec in SPECS for path in generated_example(spec.stem).rglob("*.scl")]

@@ -49,6 +49,7 @@ def holds(folder: Path) -> None:
     assert {path: path.read_bytes() for path in before} == before
 
 
+@pytest.mark.slow
 def test_a_clone_with_autocrlf_is_up_to_date(clone: Path) -> None:
     """The spec and the lock have CRLF, the files of the folder are left alone by its .gitattributes."""
     assert b"\r\n" in (clone / "job.yaml").read_bytes()

@@ -90,6 +90,7 @@ def test_a_foreign_file_is_not_replaced(work: Path, plcgen: Callable, verb: str)
     assert (work / "empty").stat().st_size
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("verb", "format_"),
     [(verb, name) for verb, (_, kind) in WRITES.items() for name in registry.formats_for(kind)],
@@ -125,6 +126,7 @@ def test_our_own_results_are_replaced(work: Path, plcgen: Callable, verb: str, f
         assert result.read_bytes() == edited
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="/dev as POSIX has it")
 def test_stdout_as_a_file(process: Callable, good: str, tmp_path: Path) -> None:
     """``-o /dev/stdout`` into a pipe, or into a file that the shell has opened."""

@@ -98,6 +98,7 @@ def test_its_own_files_are_no_change(folder: Path, monkeypatch: pytest.MonkeyPat
     assert err.count("watching") == 3
 
 
+@pytest.mark.slow
 def test_verify_looks_at_the_generated_files(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A block that somebody changes is verified again."""
     assert run(["generate", "job.yaml", "--quiet"]) == 0

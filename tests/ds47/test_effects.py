@@ -174,6 +174,7 @@ def test_old_values_that_are_restored_may_be_any(tmp_path: Path) -> None:
     assert "PG219" in codes(check(tmp_path, "sinamics-s120", f"{write}, on_error: {{restore: running, reason: tried}}"))
 
 
+@pytest.mark.slow
 def test_what_nobody_has_classified(tmp_path: Path) -> None:
     """A warning, an error with --strict, a line in IMPORT.md and on the review page; a reason answers it there, too."""
     write = "write: [{parameter: P6100, type: Unsigned16, value: 1}]"

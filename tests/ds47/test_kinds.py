@@ -56,6 +56,7 @@ def test_a_kind_becomes_a_telegram(toy: Path) -> None:
     assert plan.jobs[0].telegrams[0].request.data.hex(" ") == "01 01 01 01 10 03 03 c4 00 00"
 
 
+@pytest.mark.slow
 def test_a_kind_is_generated_and_verified(toy: Path, tmp_path: Path, distribution) -> None:
     """From the spec to the run in the soft CPU; a kind about which nobody says what it demands is not stated."""
     assert api.generate(toy, tmp_path / "out").ok
@@ -108,6 +109,7 @@ jobs: {part: {drive: axis, %s: %s}}
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("state", ["true", "not_present", "input"])
 def test_what_a_shipped_kind_can_do_a_kind_of_others_can(distribution, tmp_path: Path, state: str) -> None:
     """The same under another key is signed off, titled and noted alike: nothing depends on what a kind is called."""

@@ -141,10 +141,10 @@ def damages(text: str, draw: random.Random) -> str:
 
 
 def test_whatever_is_damaged_there_is_a_report(spec: Path) -> None:
-    """Every second file: deleted or damaged somewhere. The damage is noticed, and every group has its checks."""
+    """Every fourth file: deleted or damaged somewhere. The damage is noticed, and every group has its checks."""
     folder = spec.with_name("press_generated")
     draw = random.Random("damage")  # noqa: S311 - which damage
-    for path in sorted(p for p in folder.rglob("*") if p.is_file() and "Ppi" not in p.name)[::2]:
+    for path in sorted(p for p in folder.rglob("*") if p.is_file() and "Ppi" not in p.name)[::4]:
         data = path.read_bytes()
         if draw.random() < 0.2:
             path.unlink()
@@ -159,15 +159,14 @@ def test_whatever_is_damaged_there_is_a_report(spec: Path) -> None:
 
 
 def test_a_member_of_a_response_has_another_name(spec: Path) -> None:
-    """The first and the last member of each data block and type: what reads them says so."""
+    """The first or the last member of each data block and type: what reads them says so."""
     folder = spec.with_name("press_generated")
-    for path in sorted(folder.glob("*/*Response*.*")):
+    for number, path in enumerate(sorted(folder.glob("*/*Response*.*"))):
         data = path.read_bytes()
         names = [*dict.fromkeys(re.findall(rb'Name="(\w+)"|^ +(\w+) :', data, re.MULTILINE))]
-        for name in names[:: max(1, len(names) - 1)]:
-            old = b"".join(name)
-            path.write_bytes(data.replace(old, old + b"X", 1))
-            found = api.verify(spec, faults="none")
-            assert not found.ok
-            assert found.groups
+        old = b"".join(names[-(number % 2)])
+        path.write_bytes(data.replace(old, old + b"X", 1))
+        found = api.verify(spec, faults="none")
+        assert not found.ok
+        assert found.groups
         path.write_bytes(data)

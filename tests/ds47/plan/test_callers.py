@@ -63,6 +63,7 @@ def placed(plan: DrivePlan) -> dict[str, str]:
     return {job.key: job.caller.block.name for job in plan.jobs}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("plc", [("s7-300", "step7-v5"), ("s7-300", "tia-v16"), ("s7-1500", "tia-v19")])
 def test_what_is_planned_with_is_never_too_small(plc: tuple[str, str], tmp_path: Path) -> None:
     """Layout and estimate of the files on disk against what was known before; the largest engine, 33 jobs on a unit."""
@@ -86,6 +87,7 @@ def test_what_is_planned_with_is_never_too_small(plc: tuple[str, str], tmp_path:
     assert code <= sum(bound.code for bound in bounds.values())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("plc", sorted(PLCS))
 def test_every_block_of_a_large_plant_fits(plc: str, tmp_path: Path) -> None:
     """600 jobs, 12 on each of 50 drives: about 90 KB of instances."""

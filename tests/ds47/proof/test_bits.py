@@ -140,6 +140,7 @@ def test_dangerous_numbers_need_a_sign_off(tmp_path: Path) -> None:
         assert code in [one.code for one in api.check(spec).diagnostics], word
 
 
+@pytest.mark.slow
 def test_the_files_say_the_start_values_of_inputs(generate) -> None:
     """Inputs of one bit that share a byte of the control DB are told apart: 0 and 1."""
     made = generate(SPEC, "t15")

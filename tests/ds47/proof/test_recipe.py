@@ -226,6 +226,7 @@ def test_what_keeps_its_values(retain: str, tmp_path: Path) -> None:
     assert "PG614" in [check.diagnostic.code for check in found if check.diagnostic is not None]
 
 
+@pytest.mark.slow
 def test_own_drive_and_simulate(tmp_path: Path) -> None:
     """The drive gets 4.0 s from the first record, with which the input begins; it gives P1120 = 9.0."""
     path, drive = tmp_path / "job.yaml", tmp_path / "drive.yaml"

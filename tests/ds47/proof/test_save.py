@@ -148,6 +148,7 @@ def test_the_list_of_writes_has_it(tmp_path: Path) -> None:
     assert "the job says save, once in 600 s at most" in rows[0]
 
 
+@pytest.mark.slow
 def test_own_drive(tmp_path: Path) -> None:
     """A drive file whose p0971 returns to 0 after 300 ms passes; one that leaves it at 1 does not."""
     path, drive = tmp_path / "job.yaml", tmp_path / "drive.yaml"

@@ -160,8 +160,8 @@ WAITS = {
         "a: {drive: axis, write: {P2900: 7.0}, verify: readback, on_error: restore}\n"
         "  b: {drive: axis, sequence: [{until: {P2900: 12.0, timeout: 4s}}]}"
     ),
-    "an hour, asked ten times a second": (
-        "a: {drive: axis, timeout: 450ms, sequence: [{until: {r722.0: 1, timeout: 60min, interval: 100ms}}, "
+    "six minutes, asked ten times a second": (
+        "a: {drive: axis, timeout: 450ms, sequence: [{until: {r722.0: 1, timeout: 6min, interval: 100ms}}, "
         "{read: r722}]}"
     ),
 }

@@ -14,18 +14,18 @@ from pathlib import Path
 REFUSED, NOTICED, GREEN = "refused", "noticed", "green"
 
 
-def trial(spec: str, out: str, *levels: str) -> tuple[str, str]:
-    """How it ended, and the first thing that was said; ``levels`` are how much runs, one after the other."""
+def trial(spec: str, out: str, *levels: str) -> tuple[str, str, str]:
+    """How it ended, the first thing that was said, and when; ``levels`` are how much runs, one after the other."""
     from plcgen import api
 
     made = api.generate(spec, out)
     if not made.ok:
-        return REFUSED, _first(made.diagnostics)
+        return REFUSED, _first(made.diagnostics), ""
     for level in levels:
         found = api.verify(spec, out, faults=level)
         if not found.ok:
-            return NOTICED, _first(found.problems)
-    return GREEN, ""
+            return NOTICED, _first(found.problems), level
+    return GREEN, "", ""
 
 
 def _first(problems: object) -> str:

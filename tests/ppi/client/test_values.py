@@ -120,6 +120,7 @@ def test_values_come_back(text, data):
     assert unpack(place.item, pack_item(place.item, value, place.type), place.type) == value
 
 
+@pytest.mark.slow
 @given(
     st.text(max_size=30) | st.from_regex(r"[VMTCSQI][BWD]?[0-9]{1,6}(\.[0-9])?(\[[0-9]{0,3}\])?(:[A-Z]{0,6})?=?.{0,9}")
 )

@@ -138,12 +138,13 @@ def test_as_generated_nothing_contradicts(tmp_path: Path, text: str) -> None:
     assert problems(*generated(text, tmp_path)) == []
 
 
+@pytest.mark.slow
 def test_verify_says_it_with_a_code(tmp_path: Path) -> None:
     """PG641 at the line of the spec, in a check of its own."""
     spec, out = generated(TANKS, tmp_path)
     main = out / "scl" / "Main.scl"
     main.write_bytes(main.read_bytes().replace(b".look.m0_4", b".look.m0_3"))
-    result = api.verify(spec, out)
+    result = api.verify(spec, out, faults="none")
     (check,) = (check for check in result.checks() if check.id == "spec.ppi.line")
     assert check.diagnostic is not None
     assert (check.diagnostic.code, check.diagnostic.span.line) == ("PG641", 11)
@@ -168,6 +169,7 @@ ODD = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ODD)
 def test_what_was_red_or_wrong(tmp_path: Path, name: str) -> None:
     """Specs whose files were wrong, or right and called wrong; the CP's buffer has its number from IMPORT.md."""

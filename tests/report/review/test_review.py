@@ -192,6 +192,7 @@ def repository(tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_against_a_revision(repository):
     """The telegram writes another value, the start value of DB5 too; the lock has not been written again."""
     review = api.review(repository / "job.yaml", repository / "plc", against="HEAD", faults="none")

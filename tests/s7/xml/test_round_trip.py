@@ -406,6 +406,7 @@ def test_lists_inside_an_array_of_a_function_block_and_of_its_instance_come_back
     assert source(again[0], {"F": block}) == db
 
 
+@pytest.mark.slow
 def test_lists_inside_absurd_arrays_are_bounded() -> None:
     """Start values of more elements than 100,000 are left out, with a word; it takes no time."""
     for bounds in ("0..1999999999", "0..40000, 0..40000"):
@@ -434,6 +435,7 @@ declared = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(st.lists(declared, min_size=1, max_size=3), st.data())
 def test_any_start_values_come_back(members: list[str], data: st.DataObject) -> None:
     """Lists in structures in arrays, with other values behind BEGIN: the same bytes, and nothing that differs."""
