@@ -325,7 +325,6 @@ def test_a_condition_that_reads_alike_is_not_argued(works: dict[str, EngineWork]
     assert len(list(argued(engine, engine.program.probes))) == len(list(argued(more, more.program.probes))) + 1
 
 
-@pytest.mark.slow
 def test_some_of_every_group(works: dict[str, EngineWork]) -> None:
     """Every twelfth procedure; all of them run when an engine is recorded."""
     work = works["t15"]

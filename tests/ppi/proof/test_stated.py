@@ -138,7 +138,6 @@ def test_as_generated_nothing_contradicts(tmp_path: Path, text: str) -> None:
     assert problems(*generated(text, tmp_path)) == []
 
 
-@pytest.mark.slow
 def test_verify_says_it_with_a_code(tmp_path: Path) -> None:
     """PG641 at the line of the spec, in a check of its own."""
     spec, out = generated(TANKS, tmp_path)
