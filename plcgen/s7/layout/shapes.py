@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcgen.base.diagnostics import Diagnostic, Note, Span
@@ -425,10 +425,28 @@ def _elementary_shape(type_: Elementary) -> Shape:
     return Shape(type_, type_.bits, align, type_.bits, align, doubts=doubts)
 
 
+def _with_parts(name: str, parts: Mapping[str, str]) -> Shape:
+    """Shape of an elementary type whose parts have names: they are no fields, a layout shows it as one value."""
+    shape, index, offset = _elementary_shape(ELEMENTARY[name]), {}, 0
+    for part, type_ in parts.items():
+        index[part] = Field(Member(part, ELEMENTARY[type_]), offset, _ELEMENTARY[type_], shape.doubts)
+        offset += ELEMENTARY[type_].bits
+    return replace(shape, index=index)
+
+
+def bare_shape(name: str) -> Shape:
+    """Shape of an elementary type that lies nowhere yet."""
+    return _ELEMENTARY[name]
+
+
 def _doubts(block: Block) -> frozenset[str]:
     return frozenset({block.name.upper()}) if is_literature(block) else NO_DOUBTS
 
 
 _WIDE = frozenset({"WSTRING"})
 _ELEMENTARY = {name: _elementary_shape(type_) for name, type_ in ELEMENTARY.items()}
+_ELEMENTARY["DTL"] = _with_parts("DTL", {
+    "YEAR": "UINT", "MONTH": "USINT", "DAY": "USINT", "WEEKDAY": "USINT", "HOUR": "USINT", "MINUTE": "USINT",
+    "SECOND": "USINT", "NANOSECOND": "UDINT",
+})  # fmt: skip
 _NOTHING = Shape(StructType(()), 0, 1, 0, 1)

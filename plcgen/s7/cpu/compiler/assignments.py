@@ -10,9 +10,10 @@ from plcgen.s7.cpu.compiler.context import Context, Listing
 from plcgen.s7.cpu.compiler.conversions import coerce
 from plcgen.s7.cpu.compiler.expressions import Expressions
 from plcgen.s7.cpu.compiler.places import Places
-from plcgen.s7.cpu.compiler.scope import bare_shape, same_type, scalar_name
+from plcgen.s7.cpu.compiler.scope import same_type, scalar_name
 from plcgen.s7.cpu.compiler.values import UNKNOWN, MemoryPlace, Val
 from plcgen.s7.cpu.type_rules import BITS, NUMBERED
+from plcgen.s7.layout.shapes import bare_shape
 from plcgen.s7.scl import ast
 from plcgen.s7.types.blocks import BlockKind, SectionKind
 from plcgen.s7.types.data_types import ArrayType

@@ -21,7 +21,7 @@ from plcgen.s7.cpu.compiler.operands import Operands
 from plcgen.s7.cpu.compiler.operators import Operators
 from plcgen.s7.cpu.compiler.places import Places
 from plcgen.s7.cpu.compiler.references import References
-from plcgen.s7.cpu.compiler.scope import Scope, function_parameters
+from plcgen.s7.cpu.compiler.scope import Scope, function_parameters, scalar_name
 from plcgen.s7.cpu.compiler.statements import Statements
 from plcgen.s7.cpu.compiler.values import Symbol
 from plcgen.s7.cpu.linkage import ENO, Compiled, Linkage, ProgramBlock
@@ -96,7 +96,7 @@ def _frame(context: Context, expressions: Expressions, statements: Statements) -
     expressions.parts |= {
         ast.Name: operands.name, ast.Literal: operands.literal, ast.Slice: operands.slice,
         ast.Omitted: operands.omitted, ast.Aggregate: operands.listed, ast.Repetition: operands.listed,
-        ast.Binary: operators.binary, ast.Unary: operators.unary, ast.Call: calls.call_value,
+        ast.Binary: operators.binary, ast.Unary: operators.unary, ast.Call: references.lending(calls.call_value),
     }  # fmt: skip
     if context.link.coverage:
         decisions = Decisions(context, out, expressions, dict(expressions.parts))
@@ -107,7 +107,7 @@ def _frame(context: Context, expressions: Expressions, statements: Statements) -
     branches = Branches(context, out, access, expressions, statements)
     loops = Loops(context, out, access, expressions, assignments, watchdog, labels, statements)
     statements.parts |= {
-        ast.Assign: assignments.assign, ast.CallStatement: calls.call_statement,
+        ast.Assign: assignments.assign, ast.CallStatement: references.lending(calls.call_statement),
         ast.If: branches.if_statement, ast.Case: branches.case_statement, ast.For: loops.for_statement,
         ast.While: loops.while_statement, ast.Repeat: loops.repeat_statement, ast.Jump: loops.jump,
         ast.Goto: labels.goto,
@@ -165,16 +165,26 @@ class _Frame:
         results: list[str] = []
         returned = ""
         for kind, _, how, symbol in self.parameters():
+            value = self.value(symbol, how)
             if kind is SectionKind.RETURN:
-                returned = symbol.type_name if how == "value" else f"r_s({symbol.type_name}_m,0)"
+                returned = value
                 continue
             if how != "value" or kind is not SectionKind.OUTPUT or self.context.classic:
                 parameters.append(symbol.type_name)
             if how == "value" and kind is not SectionKind.INPUT:
-                results.append(symbol.type_name)
+                results.append(value)
         if results:
             return ",".join(parameters), f"return {returned or 'None'},{','.join(results)}"
         return ",".join(parameters), f"return {returned}".rstrip()
+
+    def value(self, symbol: Symbol, how: str) -> str:
+        """Code of what a parameter of an FC is in the end."""
+        assert symbol.place is not None  # noqa: S101 - every parameter has one
+        if symbol.place.local or (how == "reference" and not isinstance(symbol.place.shape.type, StringType)):
+            return symbol.type_name
+        type_ = scalar_name(symbol.place.shape)
+        read = {"STRING": "r_s({m},{o})", "WSTRING": "r_ws({m},{o})"}.get(type_) or CODECS[type_].read
+        return read.format(m=f"{symbol.type_name}_m", o=0)
 
     def parameters(self) -> list[tuple[SectionKind, Member, str, Symbol]]:
         """Parameters of an FC with their symbols."""
@@ -227,9 +237,12 @@ class _Frame:
         """Make one parameter of an FC ready."""
         name = symbol.type_name
         if how == "value":
+            type_ = member.type.name if isinstance(member.type, Elementary) else ""
             if kind is SectionKind.RETURN or (kind is SectionKind.OUTPUT and not self.context.classic):
-                type_ = member.type.name if isinstance(member.type, Elementary) else ""
                 self.out.emit(f"{name}={CODECS[type_].default if type_ in CODECS else 'False'}")
+            if symbol.place is not None and not symbol.place.local:
+                self.out.emit(f"{name}_m=local({CODECS[type_].size})")
+                self.out.emit(CODECS[type_].write.format(m=f"{name}_m", o=0, v=name))
         elif how == "reference":
             if kind is SectionKind.RETURN and symbol.place is not None:
                 self.out.emit(f"{name}=(local({symbol.place.shape.bits // 8}),0,0)")

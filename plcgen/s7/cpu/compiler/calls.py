@@ -17,10 +17,11 @@ from plcgen.s7.cpu.compiler.loops import Watchdog
 from plcgen.s7.cpu.compiler.moves import Moves, is_move
 from plcgen.s7.cpu.compiler.places import Places
 from plcgen.s7.cpu.compiler.references import References
-from plcgen.s7.cpu.compiler.scope import bare_shape, function_parameters
+from plcgen.s7.cpu.compiler.scope import function_parameters
 from plcgen.s7.cpu.compiler.values import UNKNOWN, MemoryPlace, Val, unknown
 from plcgen.s7.cpu.linkage import ProgramBlock
 from plcgen.s7.cpu.system.interfaces import SystemFb, system_fbs
+from plcgen.s7.layout.shapes import bare_shape
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.instructions import INSTRUCTIONS
 from plcgen.s7.types.blocks import BlockKind, SectionKind

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from plcgen.base.diagnostics import Diagnostic, Severity, Span
 from plcgen.s7.cpu.compiler.scope import Scope
-from plcgen.s7.cpu.compiler.values import Val
+from plcgen.s7.cpu.compiler.values import MemoryPlace, Val
 from plcgen.s7.cpu.linkage import Linkage, Probe, ProgramBlock
 from plcgen.s7.cpu.type_rules import TypeRules
 from plcgen.s7.scl import ast
@@ -113,6 +113,8 @@ class Context:
     jumps: int = 0
     pending: list[Val] = field(default_factory=list)
     """Operands and arguments that stand before the one that is being compiled."""
+    borrowed: list[tuple[str, MemoryPlace]] = field(default_factory=list)
+    """Memory lent for the variables that are no memory, in the call that is being compiled."""
 
     def __post_init__(self) -> None:
         self.unit = self.owner.tree

@@ -159,8 +159,8 @@ class Moves:
         place = None if self.context.classic else self.places.place(self.functions.bind(node, ("OUT",))["OUT"])
         if place is None:
             return unknown() if not self.context.classic else None
-        if scalar_name(place.shape) != "DTL" or place.local:
-            self.context.error("PG827", "the soft CPU executes RD_SYS_T with a DTL in memory only", node)
+        if scalar_name(place.shape) != "DTL":
+            self.context.error("PG827", "the soft CPU executes RD_SYS_T with a DTL only", node)
             return unknown()
         result = self.out.temporary()
         self.out.emit(f"{result}=rd_sys_t(({place.mem},{self.access.address(place)},{place.shape.bits // 8}))")

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from plcgen.s7.cpu.compiler.context import Context
 from plcgen.s7.cpu.compiler.conversions import integer_code
 from plcgen.s7.cpu.compiler.expressions import Expressions
-from plcgen.s7.cpu.compiler.scope import bare_shape, scalar_name
+from plcgen.s7.cpu.compiler.scope import scalar_name
 from plcgen.s7.cpu.compiler.values import UNKNOWN, MemoryPlace
 from plcgen.s7.cpu.type_rules import BITS, INT_CONST, INTEGERS, NUMBERED
+from plcgen.s7.layout.shapes import bare_shape
 from plcgen.s7.scl import ast
 
 WIDTHS = {"X": "BOOL", "B": "BYTE", "W": "WORD", "D": "DWORD"}

@@ -13,12 +13,12 @@ from plcgen.s7.cpu.compiler.expressions import Expressions
 from plcgen.s7.cpu.compiler.literals import literal_value
 from plcgen.s7.cpu.compiler.opened import WIDTHS as _AREA_WIDTHS
 from plcgen.s7.cpu.compiler.opened import OpenedBlocks
-from plcgen.s7.cpu.compiler.scope import bare_shape, scalar_name
+from plcgen.s7.cpu.compiler.scope import scalar_name
 from plcgen.s7.cpu.compiler.values import UNKNOWN, MemoryPlace, Symbol, Val, unknown, whole_constant
 from plcgen.s7.cpu.linkage import ProgramBlock
 from plcgen.s7.cpu.system.interfaces import system_fbs
 from plcgen.s7.cpu.type_rules import BITS, INTEGERS, POINTERS, REALS, TEXTS, WIDTHS, canonical
-from plcgen.s7.layout.shapes import Shape
+from plcgen.s7.layout.shapes import Shape, bare_shape
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.unknown_names import keys_of
 from plcgen.s7.types.address import Address, AddressError, parse_address
@@ -31,8 +31,6 @@ _TYPE = re.compile(rf"{'|'.join(TEXTS)}|TO_\w+")
 _SHORT = re.compile(r"(%?DB\d+\.)D([XBWD])?(?=\d)", re.IGNORECASE)
 _INDEXED = re.compile(r"(?:DB|D)([XBWD])", re.IGNORECASE)
 _PLAIN_INDEXED = re.compile(r"(P?[IEQAM])([XBWD]?)", re.IGNORECASE)
-_DTL = {"YEAR": (0, "UINT"), "MONTH": (16, "USINT"), "DAY": (24, "USINT"), "WEEKDAY": (32, "USINT")}
-_DTL |= {"HOUR": (40, "USINT"), "MINUTE": (48, "USINT"), "SECOND": (56, "USINT"), "NANOSECOND": (64, "UDINT")}
 _START = frozenset(
     """INITIAL_CALL REMANENCE EVENT_COUNT LADDR USI ICHANNEL EVENTTYPE CAUGHTUP SECONDTIME SIGN FAULT_ID CSG_OBNR
     CSG_PRIO IO_STATE CHANNEL MULTIERROR EVENT_CLASS LOSTRETENTIVE LOSTRTC SLOT SPECIFIER PIP_INPUT PIP_OUTPUT
@@ -178,12 +176,11 @@ class Places:
             return None
         found = base.shape.index.get(name.upper())
         if found is None:
-            if scalar_name(base.shape) == "DTL" and name.upper() in _DTL:
-                offset, type_ = _DTL[name.upper()]
-                return base.inside(offset, bare_shape(type_), overlay=True)
             self.no_member(base, name, node)
             return None
-        place = base.inside(found.offset, found.shape, overlay=base.overlay or found.member.at is not None)
+        place = base.inside(
+            found.offset, found.shape, overlay=base.overlay or found.member.at is not None or not base.shape.fields
+        )
         if isinstance(base.shape.type, NamedType) or base.mem.startswith("d"):
             self.watch_status(base, name, node)
         return place

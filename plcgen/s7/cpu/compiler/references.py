@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 from plcgen.s7.cpu.compiler.access import Access
 from plcgen.s7.cpu.compiler.context import Context, Listing
@@ -15,6 +17,9 @@ from plcgen.s7.cpu.memory import CODECS
 from plcgen.s7.cpu.type_rules import POINTERS
 from plcgen.s7.scl import ast
 from plcgen.s7.types.address import AddressError, parse_pointer
+
+_Node = TypeVar("_Node", ast.Call, ast.CallStatement)
+_Result = TypeVar("_Result")
 
 
 @dataclass(slots=True, eq=False)
@@ -52,10 +57,31 @@ class References:
             return "(None,0,0)"
         if place.local:
             type_ = scalar_name(place.shape)
-            return place.local if type_ in POINTERS else self.value_reference(self.access.load(place), node)
+            if type_ in POINTERS:
+                return place.local
+            copy = self.value_reference(self.access.load(place), node)
+            if copy != "(None,0,0)":
+                self.context.borrowed.append((copy.strip("(").partition(",")[0], place))
+            return copy
         if scalar_name(place.shape) == "ANY":
             return f"any_of({place.mem},{self.access.address(place)})"
         return f"({place.mem},{self.access.address(place)},{-(-place.shape.bits // 8)})"
+
+    def lending(self, compile_call: Callable[[_Node], _Result]) -> Callable[[_Node], _Result]:
+        """Compile a call; behind it, Python locals take over what was written to the memory lent for them."""
+
+        def compiled(node: _Node) -> _Result:
+            lent = self.context.borrowed
+            before = len(lent)
+            result = compile_call(node)
+            for copy, place in lent[before:]:
+                type_ = scalar_name(place.shape)
+                read = CODECS[type_].read if type_ in CODECS else "{m}[{o}]!=0"
+                self.access.store(place, read.format(m=copy, o=0))
+            del lent[before:]
+            return result
+
+        return compiled
 
     def is_null(self, node: ast.Expression) -> bool:
         """Whether it is the word for a pointer to nothing."""

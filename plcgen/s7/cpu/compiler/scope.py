@@ -11,11 +11,11 @@ from plcgen.s7.cpu.compiler.values import MemoryPlace, Symbol, Val, unknown
 from plcgen.s7.cpu.memory import CODECS
 from plcgen.s7.cpu.type_rules import INT_CONST, POINTERS
 from plcgen.s7.layout.layout import layout_members
-from plcgen.s7.layout.shapes import Shape
+from plcgen.s7.layout.shapes import Shape, bare_shape
 from plcgen.s7.scl.constants import evaluate, integer, is_bits_of_real
 from plcgen.s7.scl.parser import parse_value
 from plcgen.s7.types.blocks import Block, BlockKind, SectionKind
-from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, DataType, Elementary, Member, NamedType, StringType
+from plcgen.s7.types.data_types import ArrayType, DataType, Elementary, Member, NamedType, StringType
 
 _FIRST = {
     "TIME": "T#0s", "LTIME": "LT#0s", "S5TIME": "S5T#0s", "DATE": "D#1990-01-01", "TIME_OF_DAY": "TOD#0:0:0",
@@ -54,15 +54,14 @@ def _is_open(shape: Shape) -> bool:
     return isinstance(shape.type, ArrayType) and not shape.type.bounds
 
 
-def bare_shape(name: str) -> Shape:
-    """Shape of an elementary type that lies nowhere yet."""
-    type_ = ELEMENTARY[name]
-    return Shape(type_, type_.bits, 16, type_.bits, 16)
-
-
 def is_scalar(type_: DataType) -> bool:
-    """Whether a variable of this type can be a Python local."""
+    """Whether a value of this type is passed as a Python value."""
     return isinstance(type_, Elementary) and (type_.name in CODECS or type_.name == "BOOL")
+
+
+def has_parts(type_: DataType) -> bool:
+    """Whether the parts of a scalar have names: then a variable of it lies in memory."""
+    return isinstance(type_, Elementary) and bool(bare_shape(type_.name).index)
 
 
 class Scope:
@@ -173,7 +172,9 @@ class Scope:
             local = f"a{len(self.locals)}"
             name = self.block.name if kind is SectionKind.RETURN else member.name
             self.locals.append((local, _name(member.type) if how == "value" else how))
-            if how == "value":
+            if how == "value" and has_parts(member.type):
+                place = MemoryPlace(self.shape_of(member), f"{local}_m", section=kind)
+            elif how == "value":
                 place = MemoryPlace(bare_shape(_name(member.type)), local=local, section=kind)
             elif how == "pointer":
                 place = MemoryPlace(Shape(member.type, 0, 1, 0, 1), local=local, section=kind)
@@ -195,7 +196,8 @@ class Scope:
         in_memory = []
         informed = self.classic and self.block.kind is BlockKind.OB
         for member in temps:
-            if not informed and member.at is None and is_scalar(member.type) and member.name.upper() not in viewed:
+            plain = is_scalar(member.type) and not has_parts(member.type)
+            if plain and not informed and member.at is None and member.name.upper() not in viewed:
                 local = f"v{len(self.locals)}"
                 self.locals.append((local, _name(member.type)))
                 place = MemoryPlace(bare_shape(_name(member.type)), local=local, section=SectionKind.TEMP)
