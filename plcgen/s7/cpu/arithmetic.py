@@ -61,6 +61,11 @@ def to_int(value: float, bits: int, signed: bool, how: str) -> int:  # noqa: FBT
     return rounded if low <= rounded <= high else low
 
 
+def whole(value: float, how: str) -> float:
+    """Rounded, as a floating-point number; what is infinite or no number stays so."""
+    return float(_ROUNDING[how](value)) if math.isfinite(value) else value
+
+
 def bits_real(value: int, bits: int) -> float:
     """Bit pattern to REAL (LREAL for 64 bits)."""
     real, whole = _PACK[64 if bits == 64 else 32]
@@ -285,7 +290,7 @@ def functions() -> dict[str, Callable[..., Any]]:
     }  # fmt: skip
     found: dict[str, Callable[..., Any]] = {f"m_{name}": _real(function) for name, function in reals.items()}
     found |= {f"t_{name}": function for name, function in texts.items()}
-    own = (real_ne, power, to_int, bits_real, real_bits, shl, shr, rol, ror, limit, mux, bcd_to_int, int_to_bcd)
+    own = (real_ne, power, to_int, whole, bits_real, real_bits, shl, shr, rol, ror, limit, mux, bcd_to_int, int_to_bcd)
     found |= {function.__name__: function for function in own}
     times = (to_s5, from_s5, dt_part, text_to, text_to_v5, to_text, to_text_v5)
     found |= {function.__name__: function for function in times}

@@ -32,6 +32,8 @@ BLOCK_NUMBERS = frozenset({"TIMER", "COUNTER", *(name for name in ELEMENTARY if 
 NUMBERED = frozenset({"BLOCK_DB", "DB_ANY"})
 """Types whose value is the number of a data block."""
 DURATIONS = frozenset({"TIME", "LTIME"})
+CLOCKS = frozenset({"DATE", "TIME_OF_DAY", "LTIME_OF_DAY"})
+"""A day, or the time of one."""
 TEXTS = frozenset({"STRING", "WSTRING"})
 STAMPS = frozenset({"DATE_AND_TIME", "LDT", "DTL"})
 """Date and time of day together."""

@@ -13,6 +13,8 @@ from plcgen.s7.cpu.compiler.expressions import Expressions
 from plcgen.s7.cpu.compiler.values import UNKNOWN, Val, unknown
 from plcgen.s7.cpu.type_rules import (
     BITS,
+    CLOCKS,
+    DURATIONS,
     INT_CONST,
     INTEGERS,
     NOT_EXECUTED,
@@ -20,6 +22,7 @@ from plcgen.s7.cpu.type_rules import (
     REAL_CONST,
     REALS,
     SIGNED,
+    STAMPS,
     TEXT_CONST,
     TEXTS,
     WIDTHS,
@@ -38,10 +41,21 @@ _CONVERSION = re.compile(r"([A-Z][A-Z0-9_]*?)_TO_([A-Z][A-Z0-9_]*)")
 _MATH = frozenset("SQR SQRT EXP EXPD LN LOG SIN COS TAN ASIN ACOS ATAN FRAC".split())  # noqa: SIM905
 _ROUNDING = frozenset({"ROUND", "TRUNC", "FLOOR", "CEIL"})
 _SHIFTS = frozenset({"SHL", "SHR", "ROL", "ROR"})
-_TYPED = re.compile(
-    rf"({'|'.join([*_MATH, *_ROUNDING, *_SHIFTS, 'ABS', 'MIN', 'MAX', 'LIMIT', 'SEL', 'MUX', 'SWAP'])})"
-    rf"_({'|'.join([*INTEGERS, *BITS, *REALS])})"
-)
+_ORDERED = frozenset({*INTEGERS, *REALS, *DURATIONS, *CLOCKS, *STAMPS})
+_SELECTED = _ORDERED | {*BITS, *TEXTS, "BOOL", "CHAR", "WCHAR"}
+_TYPES = {
+    **dict.fromkeys(_MATH, frozenset(REALS)),
+    **dict.fromkeys(_ROUNDING, frozenset({*INTEGERS, *REALS})),
+    **dict.fromkeys(_SHIFTS, frozenset({*BITS, *INTEGERS})),
+    "ABS": frozenset({*SIGNED, *REALS}), "SWAP": frozenset({"WORD", "DWORD", "LWORD"}),
+    **dict.fromkeys(("MIN", "MAX", "LIMIT"), _ORDERED), **dict.fromkeys(("SEL", "MUX"), _SELECTED),
+}  # fmt: skip
+"""Functions whose type may stand behind their name, ``SHL_WORD``, and the types of each.
+
+What they take is converted to that type before; the type of a rounding is that of its result (help of the TIA Portal,
+"Parameters" of each of them, and "Shift left" of GRAPH).
+"""
+_NAME = re.compile(r"([A-Z]+)_([A-Z_]+)")
 _TEXT_FUNCTIONS = {
     "LEN": ("IN",), "CONCAT": ("IN1", "IN2"), "LEFT": ("IN", "L"), "RIGHT": ("IN", "L"), "MID": ("IN", "L", "P"),
     "FIND": ("IN1", "IN2"), "DELETE": ("IN", "L", "P"), "INSERT": ("IN1", "IN2", "P"),
@@ -69,22 +83,11 @@ class Functions:
 
     def compile(self, node: ast.Call, name: str) -> Val | None:
         """Compile a function of the language, None if there is none of that name."""
-        if name in _MATH:
-            return self.mathematics(node, name)
-        if name == "ABS":
-            return self.absolute_value(node)
-        if name in _ROUNDING:
-            return self.rounding(node, name)
-        if name in _SHIFTS:
-            return self.shift(node, name)
-        if name in {"MIN", "MAX"}:
-            return self.extreme(node, name)
-        if name == "LIMIT":
-            return self.limit(node)
-        if name in {"SEL", "MUX"}:
-            return self.select(node, name)
-        if name == "SWAP":
-            return self.swap(node)
+        named = _NAME.fullmatch(name)
+        if named is not None and canonical(named[2]) in _TYPES.get(named[1], ()):
+            return self.typed(node, named[1], canonical(named[2]))
+        if name in _TYPES:
+            return self.typed(node, name)
         if name in {"TIME_TCK", "SFC64"}:
             self.bind(node, ())
             return Val("(T[0]-T[1]&2147483647)", "TIME")
@@ -93,18 +96,31 @@ class Functions:
             return Val(f"{_DELAYS[name]}()", "INT", pure=False)
         if name in _TEXT_FUNCTIONS:
             return self.text_function(node, name)
-        typed = _TYPED.fullmatch(name)
-        if typed is not None:
-            return self.typed(node, typed[1], canonical(typed[2]))
         match = _CONVERSION.fullmatch(name)
         if match is not None:
             return self.conversion(node, name, match[1], match[2])
         return None
 
-    def typed(self, node: ast.Call, name: str, type_: str) -> Val | None:
-        """``TRUNC_DINT``, ``SHL_WORD``: a function with the type of its result, as the TIA Portal writes it."""
-        value = self.rounding(node, name, type_) if name in _ROUNDING else self.compile(node, name)
-        if value is None or value.type in {UNKNOWN, type_}:
+    def typed(self, node: ast.Call, name: str, type_: str = "") -> Val:
+        """``TRUNC_DINT``, ``SHL_WORD``: a function with its type, or of the type of what it is given."""
+        if name in _ROUNDING:
+            return self.rounding(node, name, type_ or "DINT")
+        if name in _SHIFTS:
+            return self.shift(node, name, type_)
+        if name in {"MIN", "MAX"}:
+            return self.extreme(node, name, type_)
+        if name in {"SEL", "MUX"}:
+            return self.select(node, name, type_)
+        if name == "LIMIT":
+            return self.limit(node, type_)
+        if name == "SWAP":
+            return self.swap(node, type_)
+        return self.absolute_value(node, type_) if name == "ABS" else self.mathematics(node, name, type_)
+
+    def operand(self, node: ast.Expression, type_: str) -> Val:
+        """Value of an operand, as the type of the instruction if its name says one."""
+        value = self.expressions.value(node)
+        if not type_ or value.type in {UNKNOWN, type_}:
             return value
         return Val(coerce(self.context, value, type_, node), type_, pure=value.pure)
 
@@ -133,10 +149,10 @@ class Functions:
             ((a.name or "").upper(), a.value) for a in node.arguments if (a.name or "").upper() not in {"EN", "ENO"}
         ]
 
-    def mathematics(self, node: ast.Call, name: str) -> Val:
+    def mathematics(self, node: ast.Call, name: str, type_: str) -> Val:
         """Functions of REAL and LREAL."""
         bound = self.bind(node, ("IN",))
-        value = self.expressions.value(bound["IN"])
+        value = self.operand(bound["IN"], type_)
         type_ = "LREAL" if value.type == "LREAL" else "REAL"
         if value.type in INTEGERS and name == "SQR":
             code = value.wrapped
@@ -144,10 +160,10 @@ class Functions:
         code = f"m_{name.lower()}({coerce(self.context, value, type_, bound['IN'])})"
         return Val(f"f32({code})" if type_ == "REAL" else code, type_, pure=value.pure)
 
-    def absolute_value(self, node: ast.Call) -> Val:
+    def absolute_value(self, node: ast.Call, type_: str) -> Val:
         """ABS keeps the type."""
         bound = self.bind(node, ("IN",))
-        value = self.expressions.value(bound["IN"])
+        value = self.operand(bound["IN"], type_)
         if value.type in BITS and not self.context.rules.checked and not self.context.classic:
             type_ = integer_of(value.type, classic=False)
             return Val(coerce(self.context, value, type_, bound["IN"]), type_, pure=value.pure)
@@ -163,21 +179,22 @@ class Functions:
             self.context.error("PG821", f"{name} does not take {value.type or 'a structure'}", node)
         return unknown()
 
-    def rounding(self, node: ast.Call, name: str, result: str = "DINT") -> Val:
+    def rounding(self, node: ast.Call, name: str, result: str) -> Val:
         """REAL to DINT, or to another type that the name of the function says."""
         bound = self.bind(node, ("IN",))
         value = self.expressions.value(bound["IN"])
         type_ = "LREAL" if value.type == "LREAL" else "REAL"
         code = coerce(self.context, value, type_, bound["IN"])
         if result in REALS:
-            return Val(f"float(to_int({code},64,True,{name.lower()!r}))", result, pure=value.pure)
+            whole = f"whole({code},{name.lower()!r})"
+            return Val(f"f32({whole})" if (type_, result) == ("LREAL", "REAL") else whole, result, pure=value.pure)
         signed = result in SIGNED
         return Val(f"to_int({code},{WIDTHS[result]},{signed},{name.lower()!r})", result, pure=value.pure)
 
-    def shift(self, node: ast.Call, name: str) -> Val:
+    def shift(self, node: ast.Call, name: str, type_: str) -> Val:
         """SHL, SHR, ROL, ROR of bit strings, and of integers on S7-1200/1500."""
         bound = self.bind(node, ("IN", "N"))
-        value, count = self.expressions.value(bound["IN"]), self.expressions.value(bound["N"])
+        value, count = self.operand(bound["IN"], type_), self.expressions.value(bound["N"])
         type_ = _bit_string(value.const) if value.type == INT_CONST else value.type
         free = not self.context.rules.checked
         if type_ in INTEGERS and self.context.classic and free:
@@ -204,36 +221,39 @@ class Functions:
         del pending[before:]
         return found
 
-    def extreme(self, node: ast.Call, name: str) -> Val:
+    def extreme(self, node: ast.Call, name: str, type_: str) -> Val:
         """MIN and MAX of two and more."""
         values = self.values([expression for _, expression in self.several(node)])
-        return self.common_call(node, name.lower(), values)
+        return self.common_call(node, name.lower(), values, type_)
 
-    def limit(self, node: ast.Call) -> Val:
+    def limit(self, node: ast.Call, type_: str) -> Val:
         """LIMIT(MN, IN, MX)."""
         bound = self.bind(node, ("MN", "IN", "MX"))
         values = self.values([bound[name] for name in ("MN", "IN", "MX")])
-        result = self.common_call(node, "limit", values)
+        result = self.common_call(node, "limit", values, type_)
         if result.type != UNKNOWN:
             self.context.uses_eno = True
             result.code = f"limit({'eno' if self.context.uses_eno else 'E'},{result.code.partition('(')[2]}"
         return result
 
-    def common_call(self, node: ast.Call, function: str, values: list[tuple[Val, ast.Expression]]) -> Val:
-        """Call with all operands in their common type."""
-        common: str | None = values[0][0].type if values else None
-        for value, _ in values[1:]:
+    def common_call(self, node: ast.Call, function: str, values: list[tuple[Val, ast.Expression]], type_: str) -> Val:
+        """Call with all operands in the type of the instruction, or in their common one."""
+        common: str | None = type_ or (values[0][0].type if values else None)
+        for value, _ in () if type_ else values[1:]:
             common = common_type(common or UNKNOWN, value.type, self.context.rules)
         if any(value.type == UNKNOWN for value, _ in values):
             return unknown()
         if not common or len(values) < 2:
             self.context.error("PG821", f"the operands of {function.upper()} have no common type", node)
             return unknown()
+        if common == "DATE_AND_TIME" and function in {"min", "max", "limit"}:  # its year has two digits from 1990 on
+            self.context.error("PG827", f"the soft CPU does not compare {common} in {function.upper()}", node)
+            return unknown()
         common = {INT_CONST: "INT", REAL_CONST: "REAL", TEXT_CONST: "STRING"}.get(common, common)
         codes = [coerce(self.context, value, common, expression) for value, expression in values]
         return Val(f"{function}({','.join(codes)})", common, pure=all(value.pure for value, _ in values))
 
-    def select(self, node: ast.Call, name: str) -> Val:
+    def select(self, node: ast.Call, name: str, type_: str) -> Val:
         """SEL(G, IN0, IN1), MUX(K, IN0, IN1, ...)."""
         arguments = self.several(node)
         if len(arguments) < 3 or (name == "SEL" and len(arguments) > 3):
@@ -243,15 +263,15 @@ class Functions:
             arguments.sort(key=lambda item: (item[0] not in {"G", "K"}, len(item[0]), item[0]))
         (selector, _), *values = self.values([expression for _, expression in arguments])
         code = f"int(not not {truth(self.context, selector, node)})" if name == "SEL" else selector.wrapped
-        result = self.common_call(node, name.lower(), values)
+        result = self.common_call(node, name.lower(), values, type_)
         if result.type == UNKNOWN:
             return result
         return Val(f"mux({code},{result.code.partition('(')[2]}", result.type, pure=result.pure and selector.pure)
 
-    def swap(self, node: ast.Call) -> Val:
+    def swap(self, node: ast.Call, type_: str) -> Val:
         """Change the order of bytes."""
         bound = self.bind(node, ("IN",))
-        value = self.expressions.value(bound["IN"])
+        value = self.operand(bound["IN"], type_)
         if value.type not in BITS:
             return self.refuse(node, "SWAP", value)
         size = BITS[value.type] // 8
