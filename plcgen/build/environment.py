@@ -11,6 +11,7 @@ import functools
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from importlib import resources
 from typing import Any
 
@@ -22,8 +23,8 @@ from plcgen.base.diagnostics import DiagnosticError
 from plcgen.base.display import markdown
 from plcgen.base.resources import templates_dir
 from plcgen.build.document import Document
-from plcgen.build.holes import FILTERS, StrayTextError, guard
-from plcgen.build.reread import Reading, not_meant, reread
+from plcgen.build.holes import FILTERS, StrayTextError, guard, stand_ins
+from plcgen.build.reread import Reading, not_meant
 from plcgen.s7.scl.classic import Spelling, respell
 
 
@@ -187,6 +188,11 @@ def _text(document: Document) -> str:
     return text if document.voice is None else document.voice(text)
 
 
+def _harmless(document: Document) -> str:
+    with stand_ins():
+        return render_text(document.template, document.view, document.spelling)
+
+
 def _finished(document: Document, text: str) -> RenderedFile:
     if document.data:
         return RenderedFile(document.path, document.data, document.experimental)
@@ -207,8 +213,10 @@ def render_all(
         text = _text(document)
         block, promise = None, document.promise
         if promise is not None:
-            read = reading.alike if document.twins is None else reread
-            block = read(text, document.path, promise)
+            read = reading.alike if document.twins is None else reading.alone
+            block = read(text, document.path, promise, partial(_harmless, document))
+        elif document.template.endswith(_SOURCES):
+            raise DiagnosticError([not_meant(document.path, "nothing is promised of it")])
         yield _finished(document, text)
         if document.twins is not None and block is not None:
             yield from map(render, document.twins(block))

@@ -1,13 +1,17 @@
 """What a template of a source prints stays where it stands: in a comment, in a title, in quotes, in code.
 
 Every ``{{ }}`` of a template gets a filter, chosen once by what surrounds it there. A text that would leave its place
-(a line end in a comment, a quote in quotes, a semicolon or a comment in code) is refused, wherever it comes from.
+(a line end in a comment, a quote in quotes, a semicolon or a comment in code) is refused, wherever it comes from. And
+the finished source is held against the same one with the same harmless letter everywhere: both must be the same code.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from itertools import zip_longest
 
 from plcgen.base.diagnostics import PlcgenError
 from plcgen.base.files.printed import unprintable
@@ -24,6 +28,50 @@ _PLAIN = re.compile(r"[\w.#]+")
 
 class StrayTextError(PlcgenError, ValueError):
     """A text that would become something else at its place in a source."""
+
+
+_STAND_IN = "\ua4d1"
+"""A letter that no template and no view contains."""
+_standing_in = ContextVar("standing in", default=False)
+
+
+@contextmanager
+def stand_ins() -> Iterator[None]:
+    """Meanwhile templates print one and the same letter wherever a comment, title, text, name or quotes are filled."""
+    before = _standing_in.set(True)
+    try:
+        yield
+    finally:
+        _standing_in.reset(before)
+
+
+_TOKEN = re.compile(
+    r"(?P<quotes>\"[^\"\n]*\")|(?P<string>'(?:[^'$\n]|\$[^\n])*')|(?P<comment>//[^\n]*|\(\*.*?\*\)|/\*.*?\*/)"
+    r"|(?P<line>^[ \t]*(?:TITLE|REGION)\b[^\n]*)|\w+|[^\w\s]",
+    re.DOTALL | re.MULTILINE,
+)
+
+
+def left_its_place(text: str, with_stand_ins: str) -> str:
+    """The first piece of a source that would not be there if its template had been filled with something harmless.
+
+    Empty if both are the same code with as many comments: nothing that was filled in has become code, or hidden any.
+    """
+    lines, others = text.split("\n"), with_stand_ins.split("\n")
+    if len(lines) != len(others) or "(*" in with_stand_ins or "/*" in with_stand_ins:
+        return _difference(text, with_stand_ins)
+    unlike = ((line, other) for line, other in zip(lines, others, strict=True) if line != other)
+    return next(filter(None, (_difference(*pair) for pair in unlike)), "")
+
+
+def _difference(text: str, with_stand_ins: str) -> str:
+    for real, harmless in zip_longest(_TOKEN.finditer(text), _TOKEN.finditer(with_stand_ins)):
+        if real is None or harmless is None or real.lastgroup != harmless.lastgroup:
+            return (real or harmless)[0]
+        same = real[0] == harmless[0] or (_STAND_IN in harmless[0] and _NAME.fullmatch(real[0]))
+        if real.lastgroup is None and not same:
+            return str(real[0])
+    return ""
 
 
 def guard(template: str) -> str:
@@ -49,6 +97,8 @@ def _kind(before: str, behind: str) -> str:
 
 
 def _in_line(value: object) -> object:
+    if _standing_in.get():
+        return _STAND_IN
     text = str(value)
     if unprintable(text):
         raise StrayTextError(text)
@@ -57,6 +107,8 @@ def _in_line(value: object) -> object:
 
 def _without(quote: str) -> Callable[[object], object]:
     def held(value: object) -> object:
+        if _standing_in.get():
+            return _STAND_IN
         text = str(value)
         if quote in text or unprintable(text):
             raise StrayTextError(text)
@@ -66,6 +118,8 @@ def _without(quote: str) -> Callable[[object], object]:
 
 
 def _in_name(value: object) -> object:
+    if _standing_in.get():
+        return _STAND_IN
     if not _NAME.fullmatch(str(value)):
         raise StrayTextError(str(value))
     return value

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.build.holes import left_its_place
 from plcgen.build.nouns import Command, MemberRow, StartAssignment
 from plcgen.s7.scl.declarations import blocks
 from plcgen.s7.scl.parser import parse
@@ -100,12 +101,22 @@ class Reading:
 
     Of sources that differ in numbers, in comments and in texts between quotes alone, only the first one is parsed: jobs
     of one shape are many. Of the others the comments are compared, and what the parsed one has in common with them.
+    ``harmless`` makes the same source again with harmless texts, see ``left_its_place``: once for each such shape.
     """
 
     def __init__(self) -> None:
         self._known: dict[bytes, Block] = {}
+        self._held: set[bytes] = set()
 
-    def alike(self, text: str, path: str, promise: Promise) -> Block:
+    def alone(self, text: str, path: str, promise: Promise, harmless: Callable[[], str]) -> Block:
+        """The block of a source, whatever was read before."""
+        key = hashlib.blake2b(_INERT.sub(lambda found: _CLASS.get(found[0][0], "0"), text).encode()).digest()
+        if key not in self._held:
+            self._held.add(key)
+            _hold(text, path, harmless())
+        return reread(text, path, promise)
+
+    def alike(self, text: str, path: str, promise: Promise, harmless: Callable[[], str]) -> Block:
         """The block of a source, or one that is like it but for its name, numbers and comments."""
         comments: list[str] = []
 
@@ -118,11 +129,18 @@ class Reading:
         key = hashlib.blake2b(_INERT.sub(inert, text).encode(), digest_size=16).digest()
         known = self._known.get(key)
         if known is None or named is None:
+            _hold(text, path, harmless())
             known = self._known[key] = reread(text, path, promise)
             return known
         if promise.members is not None and comments != list(promise.comments()):
             raise DiagnosticError([not_meant(path, "it has other comments")])
         return _kept(replace(known, name=named[1]), path, promise.without_texts())
+
+
+def _hold(text: str, path: str, harmless: str) -> None:
+    stray = left_its_place(text, harmless)
+    if stray:
+        raise DiagnosticError([not_meant(path, f'"{stray[:40]}" would not stay at its place')])
 
 
 def reread(text: str, path: str, promise: Promise) -> Block:

@@ -11,9 +11,10 @@ import pytest
 from plcgen import api
 from plcgen.base.diagnostics import DiagnosticError
 from plcgen.build import reread as module
+from plcgen.build.document import Document
 from plcgen.build.engine import emit
-from plcgen.build.environment import render_all, render_text, respell_template
-from plcgen.build.holes import FILTERS, StrayTextError, guard
+from plcgen.build.environment import environment, render_all, render_text, respell_template
+from plcgen.build.holes import FILTERS, StrayTextError, guard, left_its_place
 from plcgen.build.nouns import MemberRow, StartAssignment
 from plcgen.build.reread import Promise, reread
 from plcgen.project.nouns import Project
@@ -148,3 +149,72 @@ def test_a_pin_that_gets_past_the_rules(name: str) -> None:
     text = next(f.data for f in render_all(emit(project(V5))) if f.path == f"scl/{program.block.name}.scl")
     with pytest.raises(DiagnosticError, match="it has no"):
         reread(text.decode("cp1252"), "scl/x.scl", promise)
+
+
+def codes_of(document: Document) -> set[str]:
+    """Why a source is refused."""
+    try:
+        list(render_all([replace(document, twins=None)]))
+    except DiagnosticError as problem:
+        return {one.code for one in problem.diagnostics}
+    return set()
+
+
+@pytest.mark.parametrize("stem", [V5, TIA_300, TIA_1500])
+@pytest.mark.parametrize(
+    ("kind", "stray"),
+    [
+        ("in_line", "\n  #statTicket := 1;"),
+        ("in_line", "\n  // more"),
+        ("in_quotes", '" := 1; "'),
+        ("in_string", "'; x := '"),
+        ("in_name", " : Bool; y"),
+    ],
+)
+def test_no_source_depends_on_the_filters(kind: str, stray: str, stem: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A place that holds nothing is noticed when the source is read again: in a body and a comment, too.
+
+    Every source whose template has such a place is refused, with all others as they are.
+    """
+    documents = [one for one in emit(project(stem)) if one.promise is not None]
+    spelling = documents[0].spelling
+    held = environment(spelling).filters[kind]
+    refused = 0
+    for document in documents:
+        filled = []
+
+        def loose(value: object, filled: list[object] = filled) -> object:
+            shown = held(value)
+            filled.append(shown)
+            return f"{value}{stray}" if shown == value and len(filled) == 1 else shown
+
+        with monkeypatch.context() as patch:
+            patch.setitem(environment(spelling).filters, kind, loose)
+            codes = codes_of(document)
+        assert codes == ({"PG510"} if filled else set()), document.path
+        refused += bool(codes)
+    assert refused or kind == "in_string"
+
+
+def test_a_source_of_which_nothing_is_promised() -> None:
+    """A new template that nobody reads again is none."""
+    document = replace(next(one for one in emit(project(V5)) if one.promise is not None), promise=None)
+    with pytest.raises(DiagnosticError, match="nothing is promised"):
+        list(render_all([document]))
+
+
+@pytest.mark.parametrize(
+    ("text", "stray"),
+    [
+        ("a := 1; // x", ""),
+        ("b := 1; // *) (* \" ' $ := ;", ""),
+        ("b := 2; // x", "2"),
+        ("a := 1; c // x", "c"),
+        ("a := 1; // x // y\n// z", "// z"),
+        ("a (* := 1; // x", "("),
+        ("a := 1;", "// \ua4d1"),
+    ],
+)
+def test_what_left_its_place(text: str, stray: str) -> None:
+    """Names and comments may be any, their number and the rest may not."""
+    assert left_its_place(text, "\ua4d1 := 1; // \ua4d1") == stray
