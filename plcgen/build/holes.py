@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
+from functools import lru_cache
 from itertools import zip_longest
 
 from plcgen.base.diagnostics import PlcgenError
@@ -64,6 +65,7 @@ def left_its_place(text: str, with_stand_ins: str) -> str:
     return next(filter(None, (_difference(*pair) for pair in unlike)), "")
 
 
+@lru_cache(maxsize=4096)  # jobs have most of their lines in common
 def _difference(text: str, with_stand_ins: str) -> str:
     for real, harmless in zip_longest(_TOKEN.finditer(text), _TOKEN.finditer(with_stand_ins)):
         if real is None or harmless is None or real.lastgroup != harmless.lastgroup:
@@ -126,7 +128,7 @@ def _in_name(value: object) -> object:
 
 
 def _in_code(value: object) -> object:
-    if isinstance(value, int):
+    if isinstance(value, int) or _standing_in.get():
         return value
     text = str(value)
     if not _PLAIN.fullmatch(text) and (_ENDS.search(_QUOTED.sub("", text)) or unprintable(text.replace("\n", ""))):
