@@ -377,7 +377,7 @@ ORDINARY = {
     "no repetition, and hardly more time than an answer takes": (
         "plc: {name: t, family: s7-1200, toolchain: tia-v14}\n"
         "ppi: {a: {module: cm1241, port: 270, retries: 0, poll_pause: 1ms, ob1_cycle: 10ms, ack_timeout: 40ms, "
-        "reply_timeout: 80ms, stations: {s: {address: 2}}, jobs: {r: {station: s, read: [VW100], timeout: 700ms}, "
+        "reply_timeout: 80ms, stations: {s: {address: 2}}, jobs: {r: {station: s, read: [VW100, {item: VW100, as: again}], merge: false, timeout: 700ms}, "
         "w: {station: s, write: {VW10: null}, timeout: 700ms}}}}\n"
     ),
     "one constant for all elements of an array": (

@@ -271,7 +271,7 @@ class RecordingLine:
     busy: bool = False
     refuse: bool = False
     heard: list[HeardFrame] = field(default_factory=list)
-    codes: dict[tuple[int, Extent], int] = field(default_factory=dict)
+    codes: list[tuple[Extent, int]] = field(default_factory=list)
     wrong: list[str] = field(default_factory=list)
     longest: int = 0
     _last: dict[int, int] = field(default_factory=dict)
@@ -329,7 +329,7 @@ class RecordingLine:
     def _answer(self, request: HeardRequest) -> bytes:
         memory = self.stations[request.station]
         head = bytes((request.service, len(request.items))) if request.items else bytes((request.service,))
-        codes = [self._code(request, asked) for asked in request.items]
+        codes = [self._code(asked) for asked in request.items]
         if request.service == WRITE:
             data = bytes(codes)
         else:
@@ -341,11 +341,11 @@ class RecordingLine:
         self.longest = max(self.longest, len(body) + 6)
         return bytes((0x68, len(body), len(body), 0x68)) + body + bytes((sum(body) & 0xFF, 0x16))
 
-    def _code(self, request: HeardRequest, asked: AskedItem) -> int:
+    def _code(self, asked: AskedItem) -> int:
         if not self.refuse:
             return GOOD
         code = len(self.codes) % (GOOD - 1) + 1
-        self.codes[request.station, asked.place] = code
+        self.codes.append((asked.place, code))
         return code
 
 

@@ -280,9 +280,9 @@ class _Conduct:
             raise bed.wrong(job.path, f"status of {job.key} if the station refuses", "16#8401", f"16#{status:04X}")
         shown = bed.shown(members.errors)
         for value, found in zip(job.values, shown, strict=True):
-            codes = bed.line.codes.items()
-            whole = [0x8000 | code for (_, place), code in codes if _inside(value.whole, place)]
-            parts = [0x8000 | code for (_, place), code in codes if _meet(value.whole, place)]
+            codes = bed.line.codes
+            whole = [0x8000 | code for place, code in codes if _inside(value.whole, place)]
+            parts = [0x8000 | code for place, code in codes if _meet(value.whole, place)]
             wanted = (whole or parts or [0]) + [0] * self.several  # it ends with its first telegram that is refused
             if found not in wanted:
                 said = f"error of {value.text} of {job.key} if the station refuses it"
