@@ -484,8 +484,11 @@ def test_monitor_table_higher_than_the_screen(plcgen, monkeypatch):
 
 @pytest.mark.usefixtures("port")
 def test_monitor_goes_on_without_an_answer(plcgen, bus):
-    """A station that is silent for a while is asked again; the exit code is that of the last read."""
-    bus.faults.append(parse_fault("deaf:times=3"))
+    """A station that is silent for a while is asked again; the exit code is that of the last read.
+
+    Deaf for two exchanges of three requests: a read is sent once more as a whole.
+    """
+    bus.faults.append(parse_fault("deaf:times=6"))
     result = plcgen("ppi", "monitor", "VW100", "--count", "2", "--interval", "0", "--timeout", "0.5")
     assert result.code == 0
     assert result.out.endswith("VW100=1234\n")

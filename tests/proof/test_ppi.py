@@ -377,8 +377,16 @@ ORDINARY = {
     "no repetition, and hardly more time than an answer takes": (
         "plc: {name: t, family: s7-1200, toolchain: tia-v14}\n"
         "ppi: {a: {module: cm1241, port: 270, retries: 0, poll_pause: 1ms, ob1_cycle: 10ms, ack_timeout: 40ms, "
-        "reply_timeout: 80ms, stations: {s: {address: 2}}, jobs: {r: {station: s, read: [VW100, {item: VW100, as: again}], merge: false, timeout: 700ms}, "
+        "reply_timeout: 80ms, own_address: 5, stations: {s: {address: 3}}, "
+        "jobs: {r: {station: s, read: [VW100, {item: VW100, as: again}], merge: false, timeout: 700ms}, "
         "w: {station: s, write: {VW10: null}, timeout: 700ms}}}}\n"
+    ),
+    "comments in letters that the sources of STEP 7 V5 do not have": (
+        "plc: {name: t, family: s7-300, toolchain: step7-v5}\n"
+        "drives: {d: {device: sinamics-dcm, address: 512, comment: 水位}}\n"
+        "jobs: {q: {drive: d, read: [P50303], comment: 水位}}\n"
+        "ppi: {a: {module: cp341, address: 256, comment: 水位, stations: {s: {address: 2}}, "
+        "jobs: {r: {station: s, read: [VW100], comment: 水位}}}}\n"
     ),
     "one constant for all elements of an array": (
         "plc: {name: t, family: s7-1200, toolchain: tia-v19}\n"

@@ -126,15 +126,16 @@ class Exchange:
         """Return the answer to a request whose PDU has this reference.
 
         The very first frame, 6Ch, is the one of which a station cannot see a repetition: if its E5 is lost, it is
-        executed twice. So what is more than a read comes second, behind a read of SMB0. A read whose answer does not
-        arrive undamaged is sent once more as a whole: reading twice does no harm.
+        executed twice. So what is more than a read comes second, behind a read of SMB0. A read that gets no answer is
+        sent once more as a whole, unless it was refused: reading twice does no harm. Anything else is not repeated: if
+        its E5 came, it may have been executed, which the error says.
 
         Raises NoAnswerError, RefusedError (an error in the header, or a negative answer of the line) and LineError.
         """
         harmless = pdu[_FUNCTION] in _HARMLESS
         if self._frame_count.last is None and not harmless:
-            self._one(_FIRST, 0)
-        reply = self._twice(pdu, reference) if harmless else self._one(pdu, reference)
+            self._twice(_FIRST, 0)
+        reply = self._twice(pdu, reference) if harmless else self._once(pdu, reference)
         if isinstance(reply, ErrorReply):
             meaning = header_error(reply.code)
             text = f"station {self.settings.station} refuses the job: {reply.code:04X}h, {meaning.text}"
@@ -142,14 +143,23 @@ class Exchange:
         return reply
 
     def _twice(self, pdu: bytes, reference: int) -> Pdu:
-        """One exchange, and another one if the answer of the first was damaged."""
+        """One exchange, and another one if the first had no answer."""
         try:
             return self._one(pdu, reference)
         except NoAnswerError:
-            if not self._heard.garbled or not self._asked:
-                raise
-        self.count.repeats += 1
+            self.count.repeats += 1
         return self._one(pdu, reference)
+
+    def _once(self, pdu: bytes, reference: int) -> Pdu:
+        """One exchange of which nobody knows how it ended if the station took it and nothing more is heard."""
+        try:
+            return self._one(pdu, reference)
+        except NoAnswerError as problem:
+            if not self._asked:
+                raise
+            text = f"{problem.diagnostics[0].message}; the request was taken and may have been executed"
+            help_ = "read what it should have changed before you repeat it"
+            raise NoAnswerError(self.line.name, text, help_) from problem
 
     def _one(self, pdu: bytes, reference: int) -> Pdu:
         """Request, E5, poll, answer."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -14,14 +13,14 @@ _HEAD = 6
 
 
 class HeardKind(Enum):
-    """What one frame that we sent was answered with."""
+    """What one frame that we sent was answered with; in front stands what tells most about the cause."""
 
-    SILENCE = "silence"
-    DAMAGED = "damaged"
     BROKEN = "broken"
+    DAMAGED = "damaged"
+    OTHER = "other"
     BUSY = "busy"
     NOT_READY = "not ready"
-    OTHER = "other"
+    SILENCE = "silence"
 
 
 @dataclass(slots=True)
@@ -47,17 +46,8 @@ class Heard:
 
     @property
     def cause(self) -> HeardKind:
-        """An answer to something else if there was one, as E5 without end follows it; else what came most often."""
-        if HeardKind.OTHER in self.outcomes:
-            return HeardKind.OTHER
-        counts = Counter(self.outcomes)
-        most = max(counts.values(), default=0)
-        return next((each for each in reversed(self.outcomes) if counts[each] == most), HeardKind.SILENCE)
-
-    @property
-    def garbled(self) -> bool:
-        """Whether damage is the cause: the answer was there and did not arrive."""
-        return self.cause in {HeardKind.DAMAGED, HeardKind.BROKEN}
+        """What tells most, however rare it was: an answer that is lost once is followed by E5 without end."""
+        return next((each for each in HeardKind if each in self.outcomes), HeardKind.SILENCE)
 
     def text(self, station: int, tries: str) -> tuple[str, str]:
         """Message and help; ``tries`` says what was done in vain: ``3 times sent``."""

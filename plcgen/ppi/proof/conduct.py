@@ -108,9 +108,9 @@ class MasterConduct:
         """Inputs count in the call that starts the job; later they are something else."""
         self.rig.put_inputs(wrong=not run.fresh)
         longest = self.rig.master.ob1_cycle
-        if run.scenario.twice:
+        if run.scenario.twice or run.scenario.unready:
             known, self.waits = self.waits, self.rig.db.get("state") == State.WAIT
-            if run.scans % 2 == 0 or self.waits > known:
+            if self.waits > known or (run.scenario.twice and run.scans % 2 == 0):
                 return 0
         return run.random.randint(0, longest) if run.scenario.wild else min(run.scenario.scan, longest)
 

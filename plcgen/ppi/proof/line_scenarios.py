@@ -11,7 +11,6 @@ from plcgen.ppi.proof.reply_scenarios import ready, refusals, wrong_replies
 from plcgen.ppi.proof.scenario import (
     GAP_MS,
     LATE_MS,
-    OTHERS,
     POLL_MS,
     REPLY_FRAME,
     SCAN_MS,
@@ -20,6 +19,7 @@ from plcgen.ppi.proof.scenario import (
     answered_again,
     fault,
     lost_once,
+    others,
 )
 from plcgen.ppi.proof.words import DONE, WORDS
 from plcgen.ppi.sim.faults import At
@@ -52,7 +52,7 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
         )
     yield PpiScenario(name="a reply of high priority (0Ah)", bend=changed(6, 0x02, sums=True), ignored=0, damaged=0)
     yield from _broken_off(silent, most)
-    yield from _in_front(most, polls)
+    yield from _in_front(master)
     yield from _alone()
     for octets in (1, 3, 4, 20, -1):
         yield PpiScenario(name=f"reply that breaks off after {octets} bytes and goes on", broken=octets)
@@ -110,27 +110,30 @@ def _spoilt(master: PlannedMaster) -> Iterator[PpiScenario]:
     )  # fmt: skip
 
 
-def _in_front(most: int, polls: int) -> Iterator[PpiScenario]:
+def _in_front(master: PlannedMaster) -> Iterator[PpiScenario]:
     """Frames of others, tokens and noise in front of answers; an answer that is late for another reason."""
+    most, polls, strange = master.retries, master.polls, others(master)
     in_front: tuple[tuple[str, At], ...] = (("token", "any"), ("foreign", "any"), ("noise", "poll"))
     for kind, at in in_front:
         yield PpiScenario(name=f"{kind} before every answer", faults=(fault(kind, at, None),))
     yield PpiScenario(
         name="a frame of others right behind E5",
-        faults=(replace(fault("garbage", "request"), data=b"\xe5" + OTHERS),), ignored=1, damaged=0,
+        faults=(replace(fault("garbage", "request"), data=b"\xe5" + strange),), ignored=1, damaged=0,
     )  # fmt: skip
     yield PpiScenario(name="noise before E5", faults=(fault("noise", "request"),), retries=min(1, most))
     yield PpiScenario(
         name="a frame of others and noise before the reply",
-        bend=lambda reply: OTHERS + b"\xff" + reply,
+        bend=lambda reply: strange + b"\xff" + reply,
         ignored=1,
         damaged=1,
     )
-    yield PpiScenario(name="a frame of others after the reply", bend=lambda reply: reply + OTHERS, ignored=0, damaged=0)
+    yield PpiScenario(
+        name="a frame of others after the reply", bend=lambda reply: reply + strange, ignored=0, damaged=0
+    )
     yield PpiScenario(
         name="a frame of others and a reply that breaks off",
-        bend=lambda reply: OTHERS + reply,
-        broken=len(OTHERS) + 20,
+        bend=lambda reply: strange + reply,
+        broken=len(strange) + 20,
         ignored=1,
     )
     if polls > 2 and most:

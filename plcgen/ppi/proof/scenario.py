@@ -31,8 +31,6 @@ CHARACTER_BITS = 11
 """Start bit, 8 data bits, parity, stop bit."""
 GAP_MS = 4
 """Milliseconds of the gap behind a message, 35 bit times."""
-OTHERS = bytes.fromhex("10 05 03 49 51 16")
-"""A frame of station 3 for station 5: SD1, DA, SA, FC, the sum of the three, ED."""
 FOREIGN_BYTES, OTHER_BYTES = 68, 8
 """Bytes of an exchange of others in front of an answer: request 33, E5, poll 6, reply 28; of anything else there."""
 FRAME_CALLS = 8
@@ -56,7 +54,8 @@ class PpiScenario(Scenario):
     away, ``forgets``: it has been without power, but not the CPU.
 
     The CPU: ``fresh`` restarts it first, ``wild`` scans take anything up to the longest cycle of OB1, ``twice``: every
-    second one takes 0 ms, as the first one of a pause, ``measured`` runs tell their longest scan.
+    second one takes 0 ms, as the first one of a pause does then and if ``unready``, ``measured`` runs tell their
+    longest scan.
 
     Expected: ``polls`` is what the diagnostics must say (None: not checked), ``errors`` those of the addresses by
     position, ``header`` and ``module`` the error words, ``pace`` the ms behind the first frame, behind every other one
@@ -99,6 +98,13 @@ class PpiScenario(Scenario):
     def restarts(self) -> bool:
         """Whether the CPU starts again in the middle of the job: what was before is forgotten."""
         return any(happening in {"cold", "warm"} for happening in self.happens.values())
+
+
+def others(master: PlannedMaster) -> bytes:
+    """A short frame between two addresses that nobody here has: SD1, DA, SA, FC, the sum of the three, ED."""
+    known = {master.own_address, *(station.address for station in master.stations)}
+    body = bytes((*[n for n in range(1, 127) if n not in known][:2], 0x49))
+    return b"\x10" + body + bytes((sum(body) & 0xFF, 0x16))
 
 
 def fault(kind: str, at: At = "any", times: int | None = 1, **more: int) -> Fault:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
 from plcgen.ppi.proof.conduct import MasterConduct
 from plcgen.ppi.proof.rig import MasterRig
-from plcgen.ppi.proof.scenario import FRAME_CALLS, FRAME_MS, OTHERS, PpiScenario
+from plcgen.ppi.proof.scenario import FRAME_CALLS, FRAME_MS, PpiScenario, others
 from plcgen.ppi.proof.words import DONE, DRAIN_MS, LONGEST, WORDS, State
 from plcgen.ppi.sim import Fault, FaultKind
 from plcgen.ppi.wire.fdl import examine_frame
@@ -351,7 +351,7 @@ def row(rig: MasterRig) -> None:
 
 def full_counters(rig: MasterRig) -> None:
     """The counts of frames passed over and damaged stay at their highest value."""
-    for message, name in ((OTHERS, "ignored"), (b"\xff", "damaged")):
+    for message, name in ((others(rig.master), "ignored"), (b"\xff", "damaged")):
         rig.cpu[f'"{rig.db.block}".stat{name.capitalize()}'] = FULL - 1
         for _ in range(2):
             deque(_hearing(rig, message), maxlen=0)

@@ -125,6 +125,11 @@ def unmarked(text: str) -> str:
     return " ".join(html.unescape(text).replace("\\", "").split())
 
 
+def held(text: str) -> bool:
+    """Whether sources in Windows-1252, as those of STEP 7 V5, have every character of a text: else it is left out."""
+    return text.encode("cp1252", "replace").decode("cp1252") == text
+
+
 def untitled(text: str) -> str:
     """A text as a title has it."""
     for mark in _MARKS:

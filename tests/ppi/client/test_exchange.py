@@ -7,7 +7,9 @@ import pytest
 from plcgen.base.line.endpoint import EndpointLine
 from plcgen.base.line.model import LineLostError
 from plcgen.ppi.client import Client, ClientError, NoAnswerError, RefusedError, Settings
+from plcgen.ppi.client.heard import Heard, HeardKind
 from plcgen.ppi.sim import Fault, FaultKind
+from plcgen.ppi.wire.address import parse_item
 from plcgen.ppi.wire.fdl import encode_frame
 from plcgen.ppi.wire.model import VariableFrame
 from tests.ppi.client.support import connect, scripted
@@ -234,8 +236,66 @@ def test_stations_and_bounds():
     client, _, bus, _ = connect(["not_ready:times=always"], address=5, settings=settings)
     with pytest.raises(NoAnswerError, match=r"station 5 is not ready: E5 without end \(2 polls\)"):
         client.read("VB0")
-    assert [(e.frame.destination, e.frame.source) for e in bus.journal if e.direction == ">"] == [(5, 3)] * 3
-    assert client.exchange.count.polls == 2
+    assert [(e.frame.destination, e.frame.source) for e in bus.journal if e.direction == ">"] == [(5, 3)] * 6
+    assert client.exchange.count.polls == 4  # a read is sent once more as a whole
+
+
+@pytest.mark.parametrize(
+    "fault",
+    ["deaf:times=3", "silence:at=request,times=3", "garbage:at=request,times=3", "not_ready:times=10",
+     "silence:at=poll,times=10", "fcs:at=poll,times=10", "reference:at=poll,times=3", "nack:value=2,times=3"],
+)  # fmt: skip
+def test_a_read_is_sent_once_more_whatever_failed(fault):
+    """What is lost, damaged, answered to somebody else or not ready until all tries are used up costs no reading."""
+    client, _, bus, _ = connect([fault], values={"VW100": 1234})
+    assert client.read("VW100")[0].value == 1234
+    requests = [e.frame for e in bus.journal if e.direction == ">" and isinstance(e.frame, VariableFrame)]
+    assert len({frame.function for frame in requests}) == 1, "the second exchange begins like a session: 6Ch"
+
+
+@pytest.mark.parametrize("fault", ["header:code=8404", "nack:value=3"])
+def test_a_refusal_is_not_asked_for_again(fault):
+    """A station that says no has said so: one request, no other."""
+    client, _, bus, _ = connect([fault])
+    with pytest.raises(RefusedError):
+        client.read("VW100")
+    assert sum(isinstance(e.frame, VariableFrame) for e in bus.journal if e.direction == ">") == 1
+
+
+@pytest.mark.parametrize(("job", "seen"), [("write", 7), ("stop", "stop")])
+@pytest.mark.parametrize("fault", ["silence:at=poll,after=1,times=always", "fcs:at=poll,after=1,times=always"])
+def test_what_was_taken_may_have_been_executed(job, seen, fault):
+    """The station took the request with E5; its answer is lost: the error says so, and nothing is sent twice."""
+    client, plc, bus, _ = connect([fault])
+    with pytest.raises(NoAnswerError, match="the request was taken and may have been executed") as caught:
+        client.write({"VW100": 7}) if job == "write" else client.stop()
+    assert caught.value.diagnostics[0].help == "read what it should have changed before you repeat it"
+    requests = [e.frame for e in bus.journal if e.direction == ">" and isinstance(e.frame, VariableFrame)]
+    assert len(requests) == 2, "the read of SMB0, and the request once"
+    bus.faults.clear()
+    assert (client.read("VW100")[0].value if job == "write" else plc.cpu.mode.value) == seen
+
+
+def test_what_nobody_took_is_said_to_be_unanswered():
+    """Without E5 there is no reason to believe that anything was executed."""
+    client, plc, _, _ = connect(["deaf:at=request,after=1,times=always"], values={"VW100": 1})
+    with pytest.raises(NoAnswerError) as caught:
+        client.write({"VW100": 7})
+    assert "executed" not in caught.value.diagnostics[0].message
+    assert plc.cpu.memory.read(parse_item("VW100")).data == b"\0\1"
+
+
+@pytest.mark.parametrize(
+    ("rare", "often"),
+    [
+        (HeardKind.DAMAGED, HeardKind.NOT_READY), (HeardKind.BROKEN, HeardKind.NOT_READY),
+        (HeardKind.DAMAGED, HeardKind.OTHER), (HeardKind.OTHER, HeardKind.NOT_READY),
+        (HeardKind.NOT_READY, HeardKind.SILENCE), (HeardKind.DAMAGED, HeardKind.SILENCE),
+    ],
+)  # fmt: skip
+def test_the_cause_is_what_tells_most(rare, often):
+    """An answer that was damaged once is followed by E5 without end: damage is the cause, not a busy CPU."""
+    assert Heard([often] * 4 + [rare] + [often] * 5).cause is rare
 
 
 def test_the_wait_for_a_frame_that_has_begun():

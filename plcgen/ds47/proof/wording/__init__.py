@@ -29,7 +29,7 @@ from plcgen.ds47.proof.wording.naming import (
 )
 from plcgen.project.nouns import PlannedJob
 from plcgen.proof.wording.comments import EMPTY
-from plcgen.proof.wording.model import GuideLine, Shown, agrees, states
+from plcgen.proof.wording.model import GuideLine, Shown, agrees, held, states
 from plcgen.s7.types.blocks import Block, BlockKind
 
 _KINDS = {
@@ -222,8 +222,11 @@ class DriveWording:
 
     def job_titles(self, job: DriveJob) -> frozenset[str]:
         """What a job may be called: what the spec says of it in any language, or what it does."""
-        if said := {line(text) for text in job.comment.values() if text}:
-            return frozenset(said)
+        said = frozenset(line(text) for text in job.comment.values() if text)
+        return said if any(map(held, said)) else said | self._own_titles(job)
+
+    def _own_titles(self, job: DriveJob) -> frozenset[str]:
+        """What a job may be called of which the spec says nothing that every source can hold."""
         if job.in_steps and job.kind == "sequence":
             return frozenset({f"Sequence of {max(use.step for use in job.uses)} steps"})
         if job.messages is not None:

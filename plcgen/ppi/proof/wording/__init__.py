@@ -18,7 +18,7 @@ from plcgen.ppi.proof.wording.grounds import groundless
 from plcgen.ppi.proof.wording.meanings import asked_items, called, holds, of_answer, of_table
 from plcgen.project.nouns import PlannedJob
 from plcgen.proof.wording.comments import EMPTY
-from plcgen.proof.wording.model import GuideLine, Shown, agrees, unmarked, untitled
+from plcgen.proof.wording.model import GuideLine, Shown, agrees, held, unmarked, untitled
 from plcgen.s7.types.blocks import Block, BlockKind
 
 _VERBS = {"read": "Read", "write": "Write", "run": "Switch to RUN", "stop": "Switch to STOP"}
@@ -267,17 +267,22 @@ def _texts(value: PpiValue) -> frozenset[str]:
     return frozenset(unmarked(f"{value.label} {text}") for text in {*said, ""} if text or not value.comment)
 
 
+def _said(comment: Mapping[str, str], own: str) -> frozenset[str]:
+    """What the spec says of something; its own title if that is nothing, or nothing that Windows-1252 has."""
+    return frozenset({*comment.values(), *([] if any(map(held, comment.values())) else [own])})
+
+
 def _of_master(master: PlannedMaster) -> frozenset[str]:
     names = [station.key for station in master.stations]
     own = f"PPI master of {', '.join(names[:_MOST])}{', ..' if len(names) > _MOST else ''}"
-    return frozenset({*master.comment.values()} or {own})
+    return _said(master.comment, own)
 
 
 def _of_job(job: PpiJob) -> frozenset[str]:
     names = [value.label for value in job.values]
     what = f"{', '.join(names[:_MOST])}{', ..' if len(names) > _MOST else ''}"
     own = unmarked(f"{_VERBS[job.kind]} {what} of {job.station.key}")
-    return frozenset({*job.comment.values()} or {own})
+    return _said(job.comment, own)
 
 
 def _of_telegram(master: PlannedMaster, telegram: PpiTelegram) -> frozenset[str]:
