@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import groupby
 
 from plcgen.build.nouns import MemberRow, StartAssignment, WatchRow
 from plcgen.build.phrases import translated
@@ -42,15 +43,18 @@ def fixed(frame: Frame, rows: Iterable[tuple[str, str, str]]) -> list[MemberRow]
 
 
 def initializer(type_: DataType, data: bytes, *, v5: bool) -> str:
-    """Literal of a start value; of an array only if all elements are alike: ``[3(10.0)]``, STEP 7 V5: ``3(10.0)``."""
+    """Literal of a start value; of an array ``[3(10.0), 5.0]``, STEP 7 V5: ``3(10.0), 5.0``; none for zeros."""
     if not isinstance(type_, ArrayType):
         return literal(type_, data, v5=v5) if isinstance(type_, Elementary) else ""
-    found = array_elements(type_, data, v5=v5)
-    low, high = type_.bounds[0]
-    count = high - low + 1
-    if len({text for _, text in found}) != 1 or len(found) != count:
+    others, element = dict(array_elements(type_, data, v5=v5)), type_.element
+    if not others or not isinstance(element, Elementary):
         return ""
-    return f"{count}({found[0][1]})" if v5 else f"[{count}({found[0][1]})]"
+    default = literal(element, b" " if element.name == "CHAR" else bytes(element.bits // 8), v5=v5)
+    low, high = type_.bounds[0]
+    same = groupby(others.get(index, default) for index in range(low, high + 1))
+    runs = [(text, len([*texts])) for text, texts in same]
+    found = ", ".join(text if count == 1 else f"{count}({text})" for text, count in runs)
+    return found if v5 else f"[{found}]"
 
 
 def display_format(type_: Elementary) -> str:

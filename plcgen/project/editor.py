@@ -19,7 +19,7 @@ VERSION = 1
 """Of files without a version of their own."""
 S7_NUMBER = "^((B|W|DW|L|BYTE|WORD|DWORD)#)?(16#[0-9A-Fa-f_]+|8#[0-7_]+|2#[01_]+)$"
 """Numbers in the spelling of STEP 7, see ``plcgen.base.files.yaml``."""
-DURATION = r"^[0-9]{1,7}\s*(ms|s|min)$"
+DURATION = r"^[0-9]{1,7}\s*(ms|s|min|h)$"
 
 
 def suggested(names: Iterable[str]) -> dict[str, Any]:

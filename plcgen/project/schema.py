@@ -23,8 +23,8 @@ Toolchain = Literal[
 ]  # fmt: skip
 Naming = Literal["style", "faq"]
 
-_DURATION = re.compile(r"([0-9]{1,7})\s*(ms|s|min)\Z")
-_UNIT_MS = {"ms": 1, "s": 1000, "min": 60_000}
+_DURATION = re.compile(r"([0-9]{1,7})\s*(ms|s|min|h)\Z")
+_UNIT_MS = {"ms": 1, "s": 1000, "min": 60_000, "h": 3_600_000}
 
 
 def _duration(value: object) -> object:
@@ -32,7 +32,7 @@ def _duration(value: object) -> object:
         match = _DURATION.match(value)
         if match:
             return int(match[1]) * _UNIT_MS[match[2]]
-    raise ValueError("a duration is a number with a unit: 200ms, 10s or 1min")
+    raise ValueError("a duration is a number with a unit: 200ms, 10s, 1min or 1h")
 
 
 def _text(value: object) -> object:

@@ -151,12 +151,13 @@ def test_tables_come_from_the_same_nouns(tmp_path: Path, monkeypatch: pytest.Mon
     assert values.split()[0] == "<StartValue>16#07</StartValue>"
 
 
-def test_start_values_of_arrays_are_written_if_all_are_alike() -> None:
-    """``[3(2)]`` in the TIA Portal, ``3(2)`` in STEP 7 V5, nothing if they differ."""
+def test_start_values_of_arrays_that_follow_each_other_are_written_once() -> None:
+    """``[3(2)]`` in the TIA Portal, ``3(2)`` in STEP 7 V5; nothing for zeros."""
     three = ArrayType(((0, 2),), ELEMENTARY["INT"])
     alike, different = bytes.fromhex("000200020002"), bytes.fromhex("000200020003")
     assert [initializer(three, alike, v5=v5) for v5 in (False, True)] == ["[3(2)]", "3(2)"]
-    assert initializer(three, different, v5=False) == ""
+    assert [initializer(three, different, v5=v5) for v5 in (False, True)] == ["[2(2), 3]", "2(2), 3"]
+    assert initializer(three, bytes(6), v5=False) == ""
     assert initializer(cast("Elementary", ELEMENTARY["INT"]), b"\x00\x05", v5=True) == "5"
 
 

@@ -17,6 +17,8 @@ V5, S1200, S1500 = (
     "family: s7-1200, toolchain: tia-v17",
     "family: s7-1500, toolchain: tia-v19",
 )
+STARTS = """jobs: {j: {drive: a, write: {
+  P43000: {start: 8197582173255673615}, "P43001[0..3]": {start: [5, 5, 0, 6]}, P43002: {start: "010203"}}}}"""
 FLOAT = "P43000: {type: FloatingPoint}"
 
 
@@ -35,6 +37,7 @@ ODD = 'P43000: {type: BinaryDate}, P43001: {type: Integer8}, P43002: {type: "Vis
 OWN = 'jobs: {j: {drive: a, write: {P43000: null, "P43001[0..2]": null, P43002: null}, buffers: db}}'
 RECIPE = "recipes: {r: {parameters: [P43000, P43001], records: 2}}\n"
 READ = "read: [P43000], retries: 2"
+UNLIKE = 'P43000: {type: Unsigned64}, P43001: {type: Integer16}, P43002: {type: "OctetString[3]"}'
 SPECS: dict[str, dict[str, Any]] = {
     "inputs of an odd number of bytes for data blocks of their own": spec(S400, ODD, OWN),
     "the same in STEP 7 V5": spec(V5, ODD, OWN),
@@ -47,6 +50,9 @@ SPECS: dict[str, dict[str, Any]] = {
     "a pause of nearly the whole timeout": spec(
         S1200, FLOAT, "jobs: {j: {drive: a, write: {P43000: 1.0}, timeout: 1s, retry_pause: 854ms}}"
     ),
+    "start values of arrays whose elements differ": spec(S1200, UNLIKE, STARTS),
+    "the same start values in STEP 7 V5": spec(V5, UNLIKE, STARTS),
+    "a drive that is silent for an hour": spec(S1200, FLOAT, "jobs: {j: {drive: a, read: [P43000], timeout: 1 h}}"),
     "one recipe for two drives at one time": spec(
         S400, f"{FLOAT}, P43001: {{type: C4}}", f"{RECIPE}jobs: {{j: {{drive: [a, b], compare_recipe: r}}}}", drives=2
     ),
@@ -108,3 +114,14 @@ def test_channels_are_numbered_among_the_units_that_have_jobs(tmp_path: Path) ->
     assert "channels := 1," in calls
     assert "gate.channels[1]" in calls
     assert "gate.channels[3]" not in calls
+
+
+def test_start_values_of_arrays_are_declared_whatever_they_are(tmp_path: Path) -> None:
+    """8197582173255673615 is 71C3 A98D CDFA A70Fh, eight octets on an S7-1200; two elements alike are written once."""
+    path = tmp_path / "spec.yaml"
+    path.write_text(yaml.safe_dump(SPECS["start values of arrays whose elements differ"]), "utf-8")
+    assert api.generate(path, tmp_path / "out").ok
+    text = (tmp_path / "out" / "scl" / "J.scl").read_text("utf-8-sig")
+    assert "Array[0..7] of Byte := [16#71, 16#C3, 16#A9, 16#8D, 16#CD, 16#FA, 16#A7, 16#0F];" in text
+    assert "Array[0..3] of Int := [2(5), 0, 6];" in text
+    assert "Array[1..3] of Byte := [16#01, 16#02, 16#03];" in text

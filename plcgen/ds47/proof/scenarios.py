@@ -26,6 +26,9 @@ STATE_CONFLICT = 0xDE80B500
 FATAL_WRITE, FATAL_READ = 0xDF80B000, 0xDE80B000
 CALLS_MS = 250
 """Time that a try takes at most besides its pause."""
+TRY_SCANS = 5
+MOST_CALLS = 10_000
+"""So many calls at most are in a timeout: a long one has long scans, with which a try takes longer too."""
 NAN = {4: bytes.fromhex("7FC00000"), 8: bytes.fromhex("7FF8000000000000")}
 """A quiet NaN of each size (IEEE 754)."""
 WRONG_SLOTS = (0, -1, 3, 4, 16, 17, 32767)
@@ -264,29 +267,34 @@ def _record_calls(job: DriveJob) -> Iterator[DriveScenario]:
             name=f"RDREC of telegram {number} fails",
             reads={number: FATAL_READ}, status=(WORDS["READ_ERROR"],), **nothing,  # type: ignore[arg-type]
         )  # fmt: skip
+    scan = max(10, min(50, job.timeout // 40), job.timeout // MOST_CALLS)
+    calls = max(CALLS_MS, TRY_SCANS * scan)
     yield DriveScenario(
         name="the drive never has an answer",
         reads={0: STATE_CONFLICT},
-        status=_silence(job),
+        status=_silence(job, calls),
         telegram=1,
         answered=False,
         again=None,
-        scan=min(50, max(10, job.timeout // 40)),
-        took=(0, job.timeout + 2 * CALLS_MS),
+        scan=scan,
+        took=(0, job.timeout + 2 * calls),
     )
 
 
-def _silence(job: DriveJob) -> tuple[int, ...]:
-    """How a job may end whose drive never has an answer: what its times allow; where calls decide, either."""
-    short, long = job.retries * job.retry_pause, job.retries * (job.retry_pause + CALLS_MS)
+def _silence(job: DriveJob, calls: int) -> tuple[int, ...]:
+    """How a job may end whose drive never has an answer: what its times allow; where calls decide, either.
+
+    ``calls`` is the time in ms that a try takes at most besides its pause.
+    """
+    short, long = job.retries * job.retry_pause, job.retries * (job.retry_pause + calls)
     once = any(triggers(part.use) for part in job.telegrams[0].parts) if job.in_steps else job.once
     if once and not job.verified:
         found = ["RETRIES"] if short <= job.timeout / 3 + job.retry_pause else []
-        found += ["UNKNOWN"] if long + CALLS_MS >= job.timeout / 3 else []
-        found += ["TIMEOUT", "NO_PLACE"] if (job.retry_pause + CALLS_MS) * 2 >= job.timeout / 3 else []
+        found += ["UNKNOWN"] if long + calls >= job.timeout / 3 else []
+        found += ["TIMEOUT", "NO_PLACE"] if (job.retry_pause + calls) * 2 >= job.timeout / 3 else []
     else:
         found = ["RETRIES"] if short <= job.timeout else []
-        found += ["TIMEOUT", "NO_PLACE"] if long + CALLS_MS >= job.timeout else []
+        found += ["TIMEOUT", "NO_PLACE"] if long + calls >= job.timeout else []
     return tuple(WORDS[name] for name in found)
 
 

@@ -19,7 +19,7 @@ from plcgen.oracles.spec.ppi.stations import AREAS, ELEMENTS, READ, RUN, STOP, W
 
 Texts = Mapping[str, bytes]
 
-_UNITS = {"ms": 1, "s": 1000, "min": 60_000}
+_UNITS = {"ms": 1, "s": 1000, "min": 60_000, "h": 3_600_000}
 _GERMAN = {"E": "I", "A": "Q", "AE": "AI", "AA": "AQ", "Z": "C"}
 _ADDRESS = re.compile(
     r"(?:(?:(?P<block>DB1\.DB)|(?P<area>AE|AI|AA|AQ|SM|[VMIEQAS]))(?P<size>[XBWD])?(?P<at>\d+)(?:\.(?P<bit>[0-7]))?"
@@ -179,7 +179,7 @@ def _ms(text: str | None, default: int) -> int:
     """A time such as ``500ms``, ``10s``, ``2min``."""
     if text is None:
         return default
-    found = re.fullmatch(r"(\d+)(ms|s|min)", str(text).replace(" ", ""))
+    found = re.fullmatch(r"(\d+)(ms|s|min|h)", str(text).replace(" ", ""))
     if found is None:
         raise NotStatedError(f"{text} is no time")
     return int(found[1]) * _UNITS[found[2]]
