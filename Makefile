@@ -1,6 +1,8 @@
 # Every target sets itself up in $(VENV) from requirements.lock; nothing else is needed but Python 3.11+, pip and make.
 PYTHON ?= python3
 VENV ?= .venv
+# With LOWEST=1 an environment gets the lowest versions that pyproject.toml allows.
+LOWEST ?=
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 # The tests start hundreds of processes: compiled modules are kept, whatever the caller's environment says.
@@ -94,6 +96,7 @@ pictures: $(READY)
 	$(BIN)/python -m tests.docs.make_pictures
 
 # Everything for development; what plcgen needs, what builds it, what lists its parts: all by hash.
+FLOORS = jinja2==3.1.5 lxml==5.4.0 click==8.2.1 pydantic==2.12.0 PyYAML==6.0.2
 COMPILE = $(BIN)/pip-compile --quiet --generate-hashes --allow-unsafe --strip-extras --no-header --no-annotate \
   --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 lock:
@@ -103,12 +106,14 @@ lock:
 	$(COMPILE) -o .ci/runtime.lock pyproject.toml
 	printf 'build\nhatchling\n' | $(COMPILE) -o .ci/build.lock -
 	printf 'cyclonedx-bom\n' | $(COMPILE) -o .ci/sbom.lock -
+	printf '%s\n' $(FLOORS) pydantic-core==2.41.1 | $(COMPILE) -o .ci/lowest.lock -
 
 $(READY): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "plcgen needs Python 3.11 or newer; try make PYTHON=python3.12")'
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV) || { echo "python3 has no venv: install python3-venv"; exit 1; }
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@test -z "$(LOWEST)" || $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r .ci/lowest.lock
 	@touch $@
 
 clean:

@@ -191,7 +191,16 @@ def folder_option(what: str) -> Callable[[Callback], Callback]:
     return click.option("--out", "folder", type=PATH, metavar="DIR", help=help_)
 
 
-class _FormatName(click.ParamType[Any]):
+_JSON = "plcgen.json"
+"""Where a call remembers that ``--json`` was given."""
+
+if TYPE_CHECKING:
+    _ParamType = click.ParamType[Any]
+else:
+    _ParamType = click.ParamType  # generic from click 8.4 on
+
+
+class _FormatName(_ParamType):
     """Name of a format that shows a kind of result; which there are is looked up when somebody asks."""
 
     name = "format"
@@ -252,11 +261,28 @@ def tia_option(what: str) -> Callable[[Callback], Callback]:
 def format_option(kind: str, default: str = "text") -> Callable[[Callback], Callback]:
     """Add ``--format`` for a kind of result, and ``--json`` as its short form; the parameter is called ``format_``."""
     type_ = _FormatName(kind)
+
+    def chosen(ctx: click.Context, param: click.Parameter, value: OutputFormat) -> OutputFormat:
+        return type_.convert("json", param, ctx) if ctx.meta.get(_JSON) else value
+
     name = click.option(
-        "-f", "--format", "format_", cls=_FormatOption, type=type_, default=default, metavar="FORMAT", help=" "
+        "-f", "--format", "format_", cls=_FormatOption, type=type_, default=default, metavar="FORMAT", help=" ",
+        callback=chosen,
+    )  # fmt: skip
+    # eager and without a parameter of its own: what two options of one name mean differs between versions of click
+    short = click.option(
+        "--json",
+        is_flag=True,
+        is_eager=True,
+        expose_value=False,
+        callback=_json_asked,
+        help="The same as --format json.",
     )
-    short = click.option("--json", "format_", type=type_, flag_value="json", help="The same as --format json.")
     return lambda verb: name(short(verb))
+
+
+def _json_asked(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001 - the face of click
+    ctx.meta[_JSON] = value
 
 
 def stream_option(verb: Callback) -> Callback:

@@ -17,6 +17,7 @@ import pytest
 import yaml
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
+from packaging.version import Version
 
 from plcgen._version import __version__
 from tests.projects import ROOT
@@ -125,6 +126,14 @@ def locked(name: str) -> dict[str, str]:
     found = re.findall(r"^([\w.-]+)==(\S+) \\\n    --hash=sha256:[0-9a-f]{64}", text, re.MULTILINE)
     assert len(found) == len(re.findall(r"^\S", text, re.MULTILINE)), name
     return {canonicalize_name(package): version for package, version in found}
+
+
+def test_the_lowest_versions_are_those_that_the_package_allows() -> None:
+    """What the second Python of .ci/run has is what pyproject.toml names, no version above."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    floors = {name.lower(): version for name, version in (d.split(">=") for d in project["dependencies"])}
+    lowest = locked(".ci/lowest.lock")
+    assert {name: Version(lowest[name]) for name in floors} == {name: Version(v) for name, v in floors.items()}
 
 
 def test_the_small_locks_are_parts_of_the_large_one() -> None:

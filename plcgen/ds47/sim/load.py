@@ -310,7 +310,9 @@ class FaultKeys(StrictModel):
         _FAULT.milliseconds, ge=0, le=10_000_000, description="how much longer the response takes"
     )
     value: Byte | None = Field(None, description="the wrong byte, or how many bytes of the response come")
-    data: Octets = Field(_FAULT.data, description="other bytes instead of a response, hexadecimal")
+    data: Octets = Field(
+        default_factory=lambda: _FAULT.data, description="other bytes instead of a response, hexadecimal"
+    )
     number: Word = Field(_FAULT.number, description="error number of the parameter")
     position: Byte = Field(_FAULT.position, description="which parameter fails; 0: the whole request")
     words: Literal[1, 2] = Field(_FAULT.words, description="words of the error block")
