@@ -381,12 +381,17 @@ ORDINARY = {
         "jobs: {r: {station: s, read: [VW100, {item: VW100, as: again}], merge: false, timeout: 700ms}, "
         "w: {station: s, write: {VW10: null}, timeout: 700ms}}}}\n"
     ),
+    "no repetition, and calls so short that no reply fits into a pause": (
+        "plc: {name: t, family: s7-1500, toolchain: tia-v18}\n"
+        "ppi: {a: {module: cm-ptp, port: 280, retries: 0, ob1_cycle: 1ms, stations: {s: {address: 2}}, "
+        "jobs: {r: {station: s, read: [VW100]}}}}\n"
+    ),
     "comments in letters that the sources of STEP 7 V5 do not have": (
         "plc: {name: t, family: s7-300, toolchain: step7-v5}\n"
         "drives: {d: {device: sinamics-dcm, address: 512, comment: 水位}}\n"
         "jobs: {q: {drive: d, read: [P50303], comment: 水位}}\n"
         "ppi: {a: {module: cp341, address: 256, comment: 水位, stations: {s: {address: 2}}, "
-        "jobs: {r: {station: s, read: [VW100], comment: 水位}}}}\n"
+        "jobs: {r: {station: s, read: [{item: VW100, comment: 水位}], comment: 水位}}}}\n"
     ),
     "one constant for all elements of an array": (
         "plc: {name: t, family: s7-1200, toolchain: tia-v19}\n"

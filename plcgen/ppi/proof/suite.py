@@ -16,7 +16,15 @@ from plcgen.ppi.proof.line_scenarios import line_scenarios
 from plcgen.ppi.proof.module_scenarios import module_scenarios
 from plcgen.ppi.proof.pace_scenarios import pace_scenarios
 from plcgen.ppi.proof.rig import MasterRig
-from plcgen.ppi.proof.scenario import POLL_MS, PpiScenario, in_time
+from plcgen.ppi.proof.scenario import (
+    CHARACTER_BITS,
+    FRAME_CALLS,
+    POLL_MS,
+    REPLY_FRAME,
+    SHORT_REPLY,
+    PpiScenario,
+    in_time,
+)
 from plcgen.ppi.proof.stated.checks import stated_checks
 from plcgen.ppi.proof.telegrams import check_telegrams
 from plcgen.ppi.proof.together import ROW, procedures
@@ -42,6 +50,8 @@ SHOWN_ROLES = frozenset({"function_code", "reference", "return_code", "value", "
 """Members that the report names: what changes at run time. All of them are compared."""
 OPENED = ("MAX_RETRIES", "MAX_POLLS", "tempLastItem", "tempFailed")
 """Names of the block whose values are an excuse only where the plan says so."""
+NO_REPLY = (0, 1, 3, 4)
+"""Events of a message but for EVENT_REPLY: none, E5, refused, busy."""
 SHAPES = {"read": "read", "write": "write", "run": "service", "stop": "service"}
 """Kinds of jobs whose replies are walked alike: one of each runs through the whole matrix."""
 
@@ -127,7 +137,7 @@ class PpiSuite:
 
         A job is active only while the state is not IDLE. A telegram is walked item by item only if its reply has items,
         those of a read and those of a write in their own way. A single job never waits for a CP 341. With one poll per
-        telegram a poll has 5Ch and a request 7Ch.
+        telegram a poll has 5Ch and a request 7Ch. What is not repeated waits for a reply between two polls only.
         """
 
         def known(why: str, variable: str, values: Iterable[int], among: Iterable[int], given: str = STATE) -> Premise:
@@ -158,6 +168,12 @@ class PpiSuite:
             found.append(Premise("every telegram has one item", follow=("tempLastItem", "tempFailed")))
         if master.polls == 1 and not master.retries:
             found.append(known("a message takes two calls, and E5 was the last one", "tempNew", (0,), (State.POLL,)))
+        sizes = [t.response.size + REPLY_FRAME if t.response is not None else SHORT_REPLY for t in master.telegrams]
+        shortest = min(sizes, default=SHORT_REPLY) * CHARACTER_BITS * 1000 // master.baud
+        if not master.retries and shortest > master.poll_pause + FRAME_CALLS * master.ob1_cycle:
+            why = "no reply is as short as a pause"
+            found.append(known(why, "tempNew", (0,), (State.POLL,)))
+            found.append(known(why, "tempEvent", NO_REPLY, (State.WAIT,)))
         if master.polls == 1:
             found.append(Premise("one poll only", follow=("MAX_POLLS",)))
             found.append(Premise("one poll only", never="POLL_PAUSE"))

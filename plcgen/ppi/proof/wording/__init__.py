@@ -263,8 +263,9 @@ class PpiWording:
 
 def _texts(value: PpiValue) -> frozenset[str]:
     """What is said of a value: its address or symbol, and what the spec or the symbol table says about it."""
-    said = {*value.comment.values()} or {value.title}
-    return frozenset(unmarked(f"{value.label} {text}") for text in {*said, ""} if text or not value.comment)
+    said = {*value.comment.values()}
+    said |= set() if any(map(held, said)) else {value.title, ""}
+    return frozenset(unmarked(f"{value.label} {text}") for text in said)
 
 
 def _said(comment: Mapping[str, str], own: str) -> frozenset[str]:
