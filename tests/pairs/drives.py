@@ -28,7 +28,7 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     ),
     "languages": ("en", "de", "de-en", "zh-de-en", "en-fr", "unknown"),
     "names": ("style", "faq", "job"),
-    "trigger": ("member", "bit", "flags", "symbol"),
+    "trigger": ("member", "bit", "flags", "symbol", "inputs"),
     "buffers": ("instance", "db", "numbers", "sizes"),
     "drives": ("one", "two", "unit", "list"),
     "index": ("none", "first", "range", "many", "last", "high"),
@@ -55,6 +55,7 @@ INDEXES = {"none": "", "first": "[0]", "range": "[1..3]", "many": "[0..69]", "la
 TRIGGERS: dict[str, Any] = {
     "bit": "M50.0",
     "flags": {"execute": "M50.0", "busy": "M50.1", "done": "M50.2", "error": "M50.3", "status": "MW52"},
+    "inputs": {"execute": "I0.0", "done": "Q0.0"},
     "symbol": {"execute": "Plant.start", "done": "Plant.line[2].done"},
 }
 

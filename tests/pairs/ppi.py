@@ -18,7 +18,7 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     "items": ("one", "mixed", "bits", "typed", "apart", "long"),
     "stations": ("one", "two", "symbols"),
     "cycle": ("none", "1s"),
-    "trigger": ("member", "bit", "flags", "symbol"),
+    "trigger": ("member", "bit", "flags", "symbol", "inputs"),
     "languages": tuple(LANGUAGES),
     "comment": ("none", *COMMENTS),
     "key": tuple(KEYS),
@@ -37,6 +37,7 @@ ITEMS: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 REFUSALS: tuple[Refusal, ...] = (
     ((("toolchain", ("step7-v5",)), ("module", ("cm1241", "cb1241", "ptp-1200", "ptp-1500"))), "PG214"),
+    ((("trigger", ("inputs",)),), "PG404"),
     ((("key", ("short",)), ("beside", ("alike",))), "PG405"),
 )
 

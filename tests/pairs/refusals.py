@@ -32,6 +32,7 @@ Refusal = tuple[tuple[Side, ...], str]
 DRIVES: tuple[Refusal, ...] = (
     ((("toolchain", ("step7-v5",)), ("family", ("s7-1200", "s7-1500"))), "PG214"),
     ((("device", SMALL), ("drives", ("unit",))), "PG217"),
+    ((("trigger", ("inputs",)),), "PG404"),
     ((("trigger", ("bit", "flags", "symbol")), ("drives", ("list",))), "PG404"),
     ((("type", TEXTS), ("index", ("range", "many", "last", "high"))), "PG206"),
     ((("kind", ("until",)), ("index", ("range", "many"))), "PG251"),

@@ -53,6 +53,9 @@ SPECS: dict[str, dict[str, Any]] = {
     "start values of arrays whose elements differ": spec(S1200, UNLIKE, STARTS),
     "the same start values in STEP 7 V5": spec(V5, UNLIKE, STARTS),
     "a drive that is silent for an hour": spec(S1200, FLOAT, "jobs: {j: {drive: a, read: [P43000], timeout: 1 h}}"),
+    "a name that is shortened for its tags": spec(
+        V5, FLOAT, "jobs: {ramp_up_and_down_of_the_feeder: {drive: a, read: [P43000], trigger: M50.0}}"
+    ),
     "one recipe for two drives at one time": spec(
         S400, f"{FLOAT}, P43001: {{type: C4}}", f"{RECIPE}jobs: {{j: {{drive: [a, b], compare_recipe: r}}}}", drives=2
     ),

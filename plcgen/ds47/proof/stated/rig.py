@@ -16,7 +16,7 @@ from plcgen.s7.cpu.program import Program
 from plcgen.s7.cpu.system.bus import Periphery, RecordServer
 from plcgen.s7.layout.layout import Layout
 from plcgen.s7.types.blocks import BlockKind
-from plcgen.s7.types.names import V5_LIMIT, shorten
+from plcgen.s7.types.names import TIA_LIMIT, V5_LIMIT, shorten
 
 CONTROL = re.compile(r"DriveJobs\d*")
 """Data blocks with a structure for each instance (docs/generated-code.md, "What is in which data block")."""
@@ -167,8 +167,9 @@ class StatedRig:
                     yield child.member.name.upper(), (entry.name, layout)
 
     def member(self, job: StatedJob) -> str | None:
-        """Path of the structure of a job; None if there is none."""
-        for name in (job.member, shorten(job.member, V5_LIMIT)):
+        """Path of the structure of a job; None if there is none. The tags of its flags are called ``..Execute``."""
+        limits = (V5_LIMIT, *((one - len("Execute") for one in (TIA_LIMIT, V5_LIMIT)) if job.signals else ()))
+        for name in (job.member, *(shorten(job.member, limit) for limit in limits)):
             found = self.structures.get(name.upper())
             if found is not None:
                 return f'"{found[0]}".{name}'
