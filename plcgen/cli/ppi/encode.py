@@ -161,4 +161,6 @@ def _requests(
     entries = [entry for _, entry in read_assignments(rest, symbols, cpu, None if how.pack else WRITE_LIMIT)]
     if verb == "force":
         return [model.ForceRequest(reference, entry.item, entry.data) for entry in entries]
-    return pack_write(entries).requests(reference) if how.pack else [model.WriteRequest(reference, tuple(entries))]
+    return (
+        pack_write(entries).requests(reference) if how.pack else [model.WriteRequest.padded(reference, tuple(entries))]
+    )

@@ -296,7 +296,7 @@ class Client:
             raise DiagnosticError(found) from problem
         replies = []
         for telegram in plan.telegrams:
-            reply = self._run(WriteRequest(self._following(), telegram), experimental=experimental)
+            reply = self._run(WriteRequest.padded(self._following(), telegram), experimental=experimental)
             if not isinstance(reply, WriteReply):
                 raise self._unexpected("a write is answered with something else")
             replies.append(reply)

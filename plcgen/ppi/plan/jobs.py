@@ -238,7 +238,7 @@ def _frame(kind: Kind, station: int, own: int, items: tuple[WireItem, ...]) -> b
     """The whole frame with function code 6Ch and reference 0."""
     if kind == "write":
         pairs = tuple(ItemWrite(wire.item, wire.data) for wire in items)
-        pdu: Pdu = WriteRequest(0, pairs, trailing_pad=bool(pairs[-1].item.octets % 2))
+        pdu: Pdu = WriteRequest.padded(0, pairs)
     elif kind in {"run", "stop"}:
         pdu = RunRequest(0) if kind == "run" else StopRequest(0)
     else:

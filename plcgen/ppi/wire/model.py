@@ -171,6 +171,11 @@ class WriteRequest:
     items: tuple[ItemWrite, ...]
     trailing_pad: bool = False
 
+    @classmethod
+    def padded(cls, reference: int, items: tuple[ItemWrite, ...]) -> WriteRequest:
+        """A request as STEP 7-Micro/WIN sends it: a last value of odd length has its pad byte, too."""
+        return cls(reference, items, trailing_pad=bool(items and items[-1].item.octets % 2))
+
 
 @dataclass(frozen=True, slots=True)
 class SetupRequest:

@@ -100,7 +100,8 @@ class WritePlan:
     def requests(self, reference: int = 0) -> tuple[WriteRequest, ...]:
         """Return the requests, with references from ``reference`` on."""
         return tuple(
-            WriteRequest((reference + number) & 0xFFFF, telegram) for number, telegram in enumerate(self.telegrams)
+            WriteRequest.padded((reference + number) & 0xFFFF, telegram)
+            for number, telegram in enumerate(self.telegrams)
         )
 
     def collect(self, replies: Sequence[WriteReply]) -> tuple[int, ...]:
