@@ -109,7 +109,7 @@ def command(
         return USAGE
     paths = named(paths)
     documents = _documents(paths) if program else []
-    specs, sources = _sorted(tuple(path for path in paths if path not in documents), program=program)
+    specs, sources = _sorted(tuple(path for path in paths if path not in documents), out, program=program)
     if program and not sources:
         raise click.UsageError("--program needs PLC sources (.scl .udt .db)")
     subjects: list[Subject] = _specs(specs, strict=strict)
@@ -158,7 +158,7 @@ def _iec_checks(values: tuple[str, ...]) -> dict[str, str]:
     return found
 
 
-def _sorted(paths: tuple[Path, ...], *, program: bool) -> tuple[list[Path], list[Path]]:
+def _sorted(paths: tuple[Path, ...], out: Console, *, program: bool) -> tuple[list[Path], list[Path]]:
     """Tell specs from sources; what is no known source is taken for a spec. A folder has both, a program no specs."""
     specs: list[Path] = []
     sources: list[Path] = []
@@ -168,12 +168,14 @@ def _sorted(paths: tuple[Path, ...], *, program: bool) -> tuple[list[Path], list
         if suffix in YAML_SUFFIXES or (not folder and not suffix):
             specs.append(path)
             continue
-        from plcgen.cli.specs import specs_below
+        from plcgen.cli.specs import Below, specs_below, tell
         from plcgen.s7.cpu.sources import SUFFIXES, find_documents, find_sources
         from plcgen.s7.read.text import SD_SUFFIXES
 
         if folder or suffix in SUFFIXES | SD_SUFFIXES:
-            below, inside = find_sources(path), specs_below(path) if folder and not program else []
+            looked = specs_below(path) if folder and not program else Below()
+            tell(looked, out)
+            below, inside = find_sources(path), looked.specs
             if not below and not inside:
                 what = "PLC source (.scl .udt .db .awl)" if program or not folder else "spec and no PLC source"
                 documents = folder and find_documents(path)

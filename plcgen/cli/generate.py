@@ -54,7 +54,7 @@ def command(
     from plcgen.cli.specs import find_specs, one_folder
 
     out = console()
-    specs = find_specs(paths)
+    specs = find_specs(paths, out)
     one_folder(specs, folder)
     results = []
     for spec in specs:

@@ -29,7 +29,7 @@ def test_specs_below(machines):
     (machines / "odd.yaml").mkdir()
     (machines / "flow.yaml").write_text('{"plc": {name: a}}', "utf-8")
     (machines / "text.yaml").write_text("comment: |\n  plc: in a text\n", "utf-8")
-    names = [path.relative_to(machines).as_posix() for path in specs_below(machines)]
+    names = [path.relative_to(machines).as_posix() for path in specs_below(machines).specs]
     assert names == ["flow.yaml", "hall2/saw.yml", "press.yaml"]
 
 
@@ -46,14 +46,86 @@ def test_specs_below(machines):
 def test_a_spec_however_it_was_written(tmp_path, text, encoding):
     """A spec that is passed over makes a green run: keys in braces or indented, and what is not UTF-8."""
     (tmp_path / "job.yaml").write_bytes(text.encode(encoding))
-    assert [path.name for path in specs_below(tmp_path)] == ["job.yaml"]
+    assert [path.name for path in specs_below(tmp_path).specs] == ["job.yaml"]
 
 
 @pytest.mark.parametrize("text", ["a: 1\nb:\n  plc: {}\n", "  a: 1\n  b:\n    plc: {}\n", "# plc: {}\n", ""])
 def test_no_spec(tmp_path, text):
     """A key plc further inside is none of a spec."""
     (tmp_path / "job.yaml").write_text(text, "utf-8")
-    assert specs_below(tmp_path) == []
+    assert specs_below(tmp_path).specs == []
+
+
+OTHERS = {
+    "Kubernetes": "apiVersion: v1\nkind: Pod\nspec: {}\n",
+    "GitHub": "on: push\nname: CI\njobs:\n  test:\n    runs-on: x\n",
+    "GitLab": "include: [a.yml]\nstages: [a]\nbuild: {script: make}\n",
+    "Azure": "jobs:\n- job: a\n  steps: []\n",
+    "Compose": "include: [a.yaml]\nservices: {}\n",
+    "Taskfile": "version: '3'\nincludes: {a: b.yml}\ntasks: {}\n",
+    "an API": "api: {url: x}\n",
+    "Prometheus in braces": '{"global": {"jobs": {}, "plc": 1}, "scrape": []}',
+    "drives of another tool": "drives: {c: 1}\n",
+}
+
+
+@pytest.mark.parametrize("text", OTHERS.values(), ids=OTHERS)
+def test_what_other_tools_keep_in_a_repository(plcgen, tmp_path, text):
+    """It is no spec, and a run over nothing but it is none: exit code 2, and its name is told."""
+    (tmp_path / "other.yaml").write_text(text, "utf-8")
+    for verb in ("check", "generate", "verify"):
+        result = plcgen(verb, ".")
+        assert result.code == 2
+        assert "left, no specs: other.yaml" in result.err
+        assert "there is no spec" in result.err
+
+
+_REST = "drives: {x: {device: sinamics-g120, hardware_id: 270}}\njobs: {a: {drive: x, reed: [r21]}}\n"
+_PLC = "{name: L, family: s7-1500, toolchain: tia-v19}\n"
+SPECS = {
+    "wrong case": (f"PLC: {_PLC}{_REST}", ' (its "PLC" should be "plc")'),
+    "changed places": (f"pcl: {_PLC}{_REST}", ' (its "pcl" should be "plc")'),
+    "one letter more": (f"plcs: {_PLC}{_REST}", ' (its "plcs" should be "plc")'),
+    "one letter less": (f"include: [common.yaml]\n{_REST.replace('jobs', 'job')}", ""),
+    "quoted": (f'"PLC": {_PLC}{_REST}', ' (its "PLC" should be "plc")'),
+    "in braces": ('{"Jobs": {"a": {"reed": 1}},\n "drives": {}}', ' (its "Jobs" should be "jobs")'),
+    "plc from the include": (f"include: common.yaml\n{_REST}", ""),
+    "nothing but an include": ("include: [common.yaml]\n", ""),
+    "without plc": (_REST, ""),
+    "a list where none belongs": ("plc:\n- name: L\njobs:\n- drive: x\n", ""),
+    "PPI": ("ppi: {port: P}\nvariables: {reed: 1}\n", ""),
+}
+
+
+@pytest.mark.parametrize(("text", "told"), SPECS.values(), ids=SPECS)
+def test_a_spec_whose_section_plc_is_elsewhere_or_misspelt(plcgen, tmp_path, text, told):
+    """It is checked, not passed over, and what it includes is not checked alone; the run says what it took."""
+    (tmp_path / "m1.yaml").write_text(text, "utf-8")
+    if "common" in text:
+        (tmp_path / "common.yaml").write_text(f"plc: {_PLC}jobs: {{b: {{reed: [r21]}}}}\n", "utf-8")
+    result = plcgen("check", ".")
+    assert result.code == 1
+    assert f"1 spec: m1.yaml{told}\n" in result.err
+    assert ("a spec includes them: common.yaml" in result.err) == ("common" in text)
+    for verb in (["generate", "--check"], ["verify"]):
+        assert plcgen(*verb, ".").code == 1
+
+
+def test_the_name_of_a_spec_is_enough(plcgen, tmp_path):
+    """Whatever it begins with: what it should have is told."""
+    (tmp_path / "m1.plcgen.yaml").write_text("machine: 7\n", "utf-8")
+    result = plcgen("check", ".")
+    assert result.code == 1
+    assert 'lacks the key "plc"' in result.out
+
+
+def test_files_that_include_each_other(plcgen, tmp_path):
+    """None of them includes the others for good: they are checked, and the error is told."""
+    for name, other in (("a", "b"), ("b", "a")):
+        (tmp_path / f"{name}.yaml").write_text(f"include: {other}.yaml\nplc: {_PLC}", "utf-8")
+    result = plcgen("check", ".")
+    assert result.code == 1
+    assert "PG112" in result.out
 
 
 def test_a_spec_that_cannot_be_read(plcgen, machines):
@@ -96,9 +168,10 @@ def test_too_many_files_to_look_at(plcgen, monkeypatch):
 
 def test_check_takes_folders(plcgen, machines):
     """Every spec of the folder once, whatever else names it; sources that plcgen made of them are left to verify."""
-    assert plcgen("check", "machines", "machines/press.yaml").err == "no problems in 2 specs\n"
+    taken = "2 specs: machines/hall2/saw.yml, machines/press.yaml\nleft, no specs: machines/drive.yaml\n"
+    assert plcgen("check", "machines", "machines/press.yaml").err == f"{taken}no problems in 2 specs\n"
     assert plcgen("generate", "machines", "-q").code == 0
-    assert plcgen("check", "machines").err == "no problems in 2 specs\n"
+    assert plcgen("check", "machines").err == f"{taken}no problems in 2 specs\n"
     (machines / "own.scl").write_text("FUNCTION_BLOCK oops", "utf-8")
     mixed = plcgen("check", "machines")
     assert mixed.code == 1

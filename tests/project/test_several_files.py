@@ -150,7 +150,7 @@ def test_a_worker_needs_no_file(spec: Path) -> None:
 
 def test_an_included_file_is_no_spec_of_the_folder(spec: Path) -> None:
     """``check folder/`` does not check the plant alone."""
-    assert [path.name for path in specs_below(spec.parent)] == ["job.yaml"]
+    assert [path.name for path in specs_below(spec.parent).specs] == ["job.yaml"]
 
 
 def test_what_is_included_stays_below_the_folder(tmp_path: Path) -> None:

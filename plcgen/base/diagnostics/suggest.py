@@ -83,3 +83,14 @@ def did_you_mean(word: str, candidates: Iterable[str]) -> str:
     """``did you mean "x"?`` or an empty string."""
     hits = near(word, candidates)
     return f'did you mean "{hits[0]}"?' if hits else ""
+
+
+def one_letter_wrong(word: str, meant: str) -> bool:
+    """Whether one letter of a word is wrong, missing, too many or changed places with its neighbour."""
+    if len(word) < len(meant):
+        word, meant = meant, word
+    at = next((n for n, (one, other) in enumerate(zip(word, meant, strict=False)) if one != other), len(meant))
+    if len(word) > len(meant):
+        return word[at + 1 :] == meant[at:]
+    swapped = word[at : at + 2] == meant[at : at + 2][::-1] and word[at + 2 :] == meant[at + 2 :]
+    return word != meant and (word[at + 1 :] == meant[at + 1 :] or swapped)
