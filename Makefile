@@ -32,7 +32,7 @@ lint: $(READY)
 
 # Every character that is none of a text, at every place of every file in which a text may stand.
 hostile: $(READY)
-	PLCGEN_HOSTILE=1 $(BIN)/python -m pytest -q -n auto --dist worksteal tests/test_every_text.py tests/test_wrong_shapes.py
+	PLCGEN_HOSTILE=1 $(BIN)/python -m pytest -q -n auto --dist worksteal tests/test_every_text.py tests/test_wrong_shapes.py tests/test_injections.py
 
 bench: $(READY)
 	$(BIN)/python -m tests.bench

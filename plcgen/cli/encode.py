@@ -10,7 +10,7 @@ import click
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError
 from plcgen.cli.options import console, device_option, format_option, verb
-from plcgen.cli.output import Console
+from plcgen.cli.output import SENDS_NOTHING, Console
 
 if TYPE_CHECKING:
     from plcgen.base.display.results import Answer
@@ -79,6 +79,8 @@ def _adhoc(
         found = _answer([], "", problem.diagnostics)
     except TelegramError as problem:
         found = _answer([], "", [Diagnostic("PG703", item.message, Span(ARGUMENTS)) for item in problem.problems])
+    if verb == "write" and not found.diagnostics:
+        out.say(SENDS_NOTHING)
     return out.answer(format_, found, known={ARGUMENTS: " ".join(words)})
 
 

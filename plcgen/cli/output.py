@@ -29,6 +29,7 @@ INTERRUPTED = 130
 CLOSED = 141
 
 ColorMode = Literal["auto", "always", "never"]
+SENDS_NOTHING = "only printed: whoever sends these bytes acts on the machine"
 FALLBACK_WIDTH = 100
 _WIDEST = 160
 _BAR = 24

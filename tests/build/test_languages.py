@@ -217,7 +217,7 @@ def test_a_title_that_nobody_translated_stays_in_its_frame(first: int, tmp_path:
 def test_what_is_generated_in_other_languages_is_verified(languages: str, tmp_path: Path) -> None:
     """Sources and documents are the same blocks, and the headers are what the spec says."""
     shown(tmp_path, languages)
-    assert api.verify(tmp_path / "job.yaml", tmp_path / "out", faults="none", engine=False).ok
+    assert api.verify(tmp_path / "job.yaml", tmp_path / "out", faults="none").ok
 
 
 def test_every_title_of_the_catalogue_is_translated() -> None:

@@ -71,6 +71,19 @@ def test_encode(plcgen, args, vector):
     assert plcgen("ppi", "encode", *args.split()).out == FRAMES[vector]["hex"] + "\n"
 
 
+@pytest.mark.parametrize(
+    ("args", "acts"),
+    [
+        ("read VB1", False), ("setup", False), ("poll", False), ("write VB1=1", True), ("run", True), ("stop", True),
+        ("force VB1=1 --experimental", True), ("unforce VB1 --experimental", True),
+    ],
+)  # fmt: skip
+def test_encode_says_that_it_sends_nothing(plcgen, args, acts):
+    """Of what would act on the CPU; the bytes alone are on stdout."""
+    result = plcgen("ppi", "encode", *args.split())
+    assert (result.code, result.err) == (0, "only printed: whoever sends these bytes acts on the machine\n" * acts)
+
+
 def test_encode_stations(plcgen):
     """--station and --source are the addresses, --fcb the frame count bit: 03 + 01 + 7C = 80."""
     assert plcgen("ppi", "encode", "poll", "--station", "3", "--source", "1", "--fcb", "1").out == "10 03 01 7C 80 16\n"

@@ -11,6 +11,7 @@ import click
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError
 from plcgen.cli.arguments import ARGUMENTS
 from plcgen.cli.options import console, format_option, verb
+from plcgen.cli.output import SENDS_NOTHING
 from plcgen.cli.ppi.places import cpu_option, symbols_option
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from plcgen.report.registry import OutputFormat
 
 _BARE = ("run", "stop", "setup", "poll")
+_HARMLESS = frozenset({"read", "setup", "poll"})
 _WITH_ITEMS = ("read", "write", "force", "unforce")
 
 
@@ -95,7 +97,10 @@ def command(
         for number, data in enumerate(telegrams, 1)
     ]
     answer = Answer({**diagnostics_data("ppi requests", found), "telegrams": rows}, lambda _view: text, found)
-    return console().answer(format_, answer, known={ARGUMENTS: " ".join(rest)})
+    out = console()
+    if telegrams and verb not in _HARMLESS:
+        out.say(SENDS_NOTHING)
+    return out.answer(format_, answer, known={ARGUMENTS: " ".join(rest)})
 
 
 def _require_usage(verb: str, rest: Sequence[str], *, first: bool, fcb: int | None, stations: tuple[int, int]) -> None:
