@@ -79,7 +79,7 @@ def check_lock(paths: Sequence[Path], path: Path, policy: Sequence[str] = (), *,
         state = reduced(snapshot(chosen, classic=classic))
     except DiagnosticError as problem:
         return Comparison(path.as_posix(), "", (), problem.diagnostics)
-    return compare_snapshots(lock.snapshot, state, levels)
+    return compare_snapshots(lock.snapshot, state, levels, classic=classic)
 
 
 def _locked_sources(path: Path) -> list[Path]:

@@ -37,16 +37,18 @@ def compare(
     except DiagnosticError as problem:
         return Comparison(*labels, (), problem.diagnostics)
     before, after = _both(old, new, classic=classic)
-    return compare_snapshots(before, after, levels)
+    return compare_snapshots(before, after, levels, classic=classic)
 
 
-def compare_snapshots(old: Snapshot, new: Snapshot, policy: Mapping[str, Level]) -> Comparison:
+def compare_snapshots(
+    old: Snapshot, new: Snapshot, policy: Mapping[str, Level], *, classic: bool = False
+) -> Comparison:
     """Compare two states."""
     diagnostics = tuple(dict.fromkeys([*old.diagnostics, *new.diagnostics]))
     if any(not side.blocks and has_errors(side.diagnostics) for side in (old, new)):
         return Comparison(old.label, new.label, (), diagnostics)
     changes = compare_jobs(old, new, policy)
-    blocks = compare_blocks(old.blocks, new.blocks, policy, comments=old.complete and new.complete)
+    blocks = compare_blocks(old.blocks, new.blocks, policy, comments=old.complete and new.complete, classic=classic)
     if old.jobs is not None and new.jobs is not None:
         twins = old.mirrored & new.mirrored
         blocks = [c for c in blocks if c.kind not in _DERIVED and not _is_twin(c, twins)]

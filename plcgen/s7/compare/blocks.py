@@ -11,29 +11,29 @@ from plcgen.s7.compare.code import compare_code
 from plcgen.s7.compare.members import MemberComparison, text_change
 from plcgen.s7.compare.model import BlockState, Change, Found, MemberState
 from plcgen.s7.compare.policy import Level
-
-_DEFAULTS = {
-    "DBACCESSIBLEFROMOPCUA": "TRUE", "DBACCESSIBLEFROMWEBSERVER": "TRUE", "ISIECCHECKENABLED": "FALSE",
-    "ISONLYSTOREDINLOADMEMORY": "FALSE", "ISRETAINMEMRESENABLED": "FALSE", "ISWRITEPROTECTEDINAS": "FALSE",
-    "MEMORYRESERVE": "100", "UDAENABLETAGREADBACK": "FALSE", "VERSION": "0.1",
-}  # fmt: skip
-"""What an attribute of a block means that is not written: whether it is, is a setting of the export."""
+from plcgen.s7.types.absent import OF_BLOCKS, optimized
 
 _ORDER = {"DB": 0, "FB": 1, "FC": 2, "OB": 3, "UDT": 4}
 
 
 def compare_blocks(
-    old: Sequence[BlockState], new: Sequence[BlockState], policy: Mapping[str, Level], *, comments: bool = True
+    old: Sequence[BlockState],
+    new: Sequence[BlockState],
+    policy: Mapping[str, Level],
+    *,
+    comments: bool = True,
+    classic: bool = False,
 ) -> list[Change]:
     """Every change, block by block: data blocks first, then code, then types; by name within a kind.
 
-    ``comments`` is False if one side does not keep them.
+    ``comments`` is False if one side does not keep them; ``classic``: blocks that say nothing of their access are for
+    S7-300/400.
     """
     pairs, gone, came = _match(old, new)
     found: list[tuple[BlockState, list[Change]]] = [(b, [_whole("block-removed", b, policy)]) for b in gone]
     found += [(b, [_whole("block-added", b, policy)]) for b in came]
     for before, after in pairs:
-        found.append((after, _Pair(before, after, policy, comments=comments).changes()))
+        found.append((after, _Pair(before, after, policy, comments=comments, classic=classic).changes()))
     found.sort(key=lambda item: (_ORDER.get(item[0].kind, 9), item[0].name.upper()))
     return [change for _, changes in found for change in changes]
 
@@ -98,8 +98,10 @@ def _unique(
 class _Pair:
     """One block on both sides."""
 
-    def __init__(self, old: BlockState, new: BlockState, policy: Mapping[str, Level], *, comments: bool) -> None:
-        self.old, self.new, self.policy, self.comments = old, new, policy, comments
+    def __init__(
+        self, old: BlockState, new: BlockState, policy: Mapping[str, Level], *, comments: bool, classic: bool
+    ) -> None:
+        self.old, self.new, self.policy, self.comments, self.classic = old, new, policy, comments, classic
         self.found: list[Change] = []
 
     def add(
@@ -143,8 +145,7 @@ class _Pair:
         if placed and old.size is not None and new.size is not None and old.size != new.size:
             kind = "block-grown" if new.size > old.size else "block-shrunk"
             self.add(kind, f"{old.size} -> {new.size} bytes", str(old.size), str(new.size))
-        if _access(old) != _access(new) and not (None in {old.optimized, new.optimized} and _mixed(old, new)):
-            self.add("access-changed", f"{_access(old)} -> {_access(new)} access", _access(old), _access(new))
+        self.access()
         instances = old.instance_of and new.instance_of  # of their retentivity a document says nothing
         if old.non_retain != new.non_retain and not (instances and _mixed(old, new)):
             was, now = _retain(old), _retain(new)
@@ -154,7 +155,7 @@ class _Pair:
         for key, was, now in _differences(before, after):
             if was.upper() == now.upper():
                 continue
-            usual = key in _DEFAULTS and not _is_document(old if was else new)
+            usual = key in OF_BLOCKS and not _is_document(old if was else new)
             if not ((was and now) or usual) and _mixed(old, new):
                 continue  # a text has no words for most of what a document says
             name = spelt[key]
@@ -164,6 +165,23 @@ class _Pair:
                 if _mixed(old, new) and not (was and now):
                     continue  # not every text has a place in both spellings
                 self.add("block-text", f"{name} {text_change(was, now)}", was, now)
+
+    def access(self) -> None:
+        """Optimized or standard access. An instance that says nothing has that of its function block."""
+        old, new = self.old, self.new
+        stated = [side.optimized for side in (old, new) if side.optimized is not None]
+        follows = old.instance_of and new.instance_of and "UDT" not in {old.instance_kind, new.instance_kind}
+        if not stated or (len(stated) == 1 and follows):
+            return
+        was, now = (self.meant(side) for side in (old, new))
+        if was != now:
+            self.add("access-changed", f"{was} -> {now} access", was, now)
+
+    def meant(self, block: BlockState) -> str:
+        """Access of a block, stated or not."""
+        classic = self.classic or (block.number is not None and not _is_document(block))  # a text of STEP 7 V5
+        given = block.optimized
+        return "optimized" if (optimized(classic=classic) if given is None else given) else "standard"
 
     def assignments(self) -> None:
         """Start values that a DB gives to members of its types."""
@@ -197,10 +215,6 @@ class _Pair:
             self.add("local-changed", shown, details=tuple(sorted(details)))
 
 
-def _access(block: BlockState) -> str:
-    return "optimized" if block.optimized else "standard"
-
-
 def _mixed(old: BlockState, new: BlockState) -> bool:
     """Whether one side is a document, the other a text, which states less or other things; locks are neither."""
     files = [block.span.file.lower() for block in (old, new) if block.span is not None]
@@ -222,6 +236,6 @@ def _retain(block: BlockState) -> str:
 
 def _differences(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[tuple[str, str, str]]:
     for name in sorted(old.keys() | new.keys()):
-        was, now, default = old.get(name, ""), new.get(name, ""), _DEFAULTS.get(name.upper(), "")
+        was, now, default = old.get(name, ""), new.get(name, ""), OF_BLOCKS.get(name.upper(), "")
         if was != now and not {was.upper(), now.upper()} <= {"", default}:
             yield name, was, now

@@ -9,6 +9,7 @@ from difflib import SequenceMatcher
 from plcgen.base.diagnostics import Span
 from plcgen.base.diagnostics.counting import quantity
 from plcgen.s7.compare.model import BlockState, Found, MemberState
+from plcgen.s7.types.absent import OF_MEMBERS
 
 INTERNAL = frozenset(
     {"member-added", "member-removed", "member-renamed", "type-changed", "length-changed", "section-changed"}
@@ -19,8 +20,6 @@ MOST_RUNS = 5
 
 
 _VISIBLE = {"EXTERNALVISIBLE": "visible", "EXTERNALACCESSIBLE": "readable", "EXTERNALWRITABLE": "writable"}
-_DEFAULTS = {"RETAIN": "NONRETAIN", "S7_SETPOINT": "FALSE", **dict.fromkeys(_VISIBLE, "TRUE")}
-"""What an attribute means that is not written: whether the TIA Portal writes it is a setting of the export."""
 
 _REQUIRED = {"FC": frozenset({"Input", "Output", "InOut"}), "FB": frozenset({"InOut"})}
 
@@ -151,7 +150,7 @@ class MemberComparison:
         spelt = {name.upper(): name for name, _ in (*old.attributes, *new.attributes)}
         for name in sorted(before.keys() | after.keys()):
             was, now = before.get(name, ""), after.get(name, "")
-            default = _DEFAULTS.get(name, "")
+            default = OF_MEMBERS.get(name, "")
             if (was or default) == (now or default):
                 continue
             if name == "RETAIN":

@@ -16,6 +16,7 @@ from plcgen.s7.scl.constants import integer
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.scl.parser import ParseResult, parse
 from plcgen.s7.scl.unknown_names import UnknownNames
+from plcgen.s7.types.absent import is_optimized
 from plcgen.s7.types.address import Address, AddressError, parse_address
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.types.data_types import NamedType
@@ -193,10 +194,8 @@ class Linkage:
 
     def optimized(self, block: ProgramBlock) -> bool:
         """Whether a block has optimised access; an instance data block has that of its FB."""
-        if self.classic:
-            return False
         of = self.blocks.get(self.instance_type(block)) if block.block.kind is BlockKind.DB else None
-        return (of or block).block.optimized is not False
+        return is_optimized((of or block).block, {}, classic=self.classic)
 
     def add_tags(self, tags: Mapping[str, str | tuple[str, str]]) -> list[str]:
         """Take tags over; return the names whose address makes no sense."""

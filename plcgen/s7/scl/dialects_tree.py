@@ -11,6 +11,7 @@ from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.scl.instructions import BY_NUMBER, ON_S7_1500
 from plcgen.s7.scl.lexer import KEYWORDS, QUOTED, Tokens
 from plcgen.s7.scl.system_types import SYSTEM_TYPES
+from plcgen.s7.types.absent import optimized
 from plcgen.s7.types.data_types import elementary
 
 Refusal = tuple[int, int, str, str, Severity]
@@ -188,8 +189,8 @@ def _name(node: ast.Name, dialect: Dialect, declared: frozenset[str]) -> Iterato
 
 
 def _is_standard(unit: ast.Unit) -> bool:
-    values = [a.value.upper() for a in unit.attributes if a.name == "S7_Optimized_Access"]
-    return values == ["FALSE"]
+    values = [a.value.upper() == "TRUE" for a in unit.attributes if a.name == "S7_Optimized_Access"]
+    return not (values[0] if len(values) == 1 else optimized(classic=False))
 
 
 def _type(node: ast.TypeName | ast.StringSpec, dialect: Dialect) -> Iterator[Refusal]:

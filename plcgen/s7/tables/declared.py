@@ -16,6 +16,7 @@ from plcgen.s7.layout.layout import layout_block, locate, split_path
 from plcgen.s7.layout.shapes import union
 from plcgen.s7.tables.libraries import with_library_types
 from plcgen.s7.tables.tables import GAP, MORE, BlockTable, LayoutRow, member_address, size_text
+from plcgen.s7.types.absent import is_numbered
 from plcgen.s7.types.blocks import BlockKind
 from plcgen.s7.types.data_types import ArrayType, Elementary
 from plcgen.s7.types.spelling import type_text
@@ -149,7 +150,7 @@ def _is_unsaid(block: Block, types: Mapping[str, Block]) -> bool:
     owner = types.get((block.instance_of or "").upper())
     said = block.optimized is not None or (owner is not None and owner.optimized is not None)
     is_source = block.span is not None and block.span.file.lower().endswith((".db", ".scl"))
-    return is_source and not said and block.number is None and block.kind is not BlockKind.UDT
+    return is_source and not said and not is_numbered(block) and block.kind is not BlockKind.UDT
 
 
 def used_bits(shape: Shape) -> int:

@@ -531,13 +531,6 @@ def test_what_an_instance_lacks_is_said_once(tmp_path):
     assert {d.message.partition(":")[0] for d in result.diagnostics} == {'FB "F" is compared without offsets'}
 
 
-def test_access_that_a_text_begins_to_name(tmp_path):
-    """Between two texts the attribute counts, also if one of them did not say anything."""
-    block = 'DATA_BLOCK "B" {} STRUCT a : Int; END_STRUCT; BEGIN END_DATA_BLOCK'
-    result = diff(tmp_path, block.format(""), block.format("{ S7_Optimized_Access := 'TRUE' }"))
-    assert [c.kind for c in result.changes] == ["access-changed"]
-
-
 def test_the_size_of_a_written_item_is_a_field(tmp_path):
     """The value is the number; its size code and length say how it is written."""
     old, new = tmp_path / "old.yaml", tmp_path / "new.yaml"

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity, Span
+from plcgen.s7.types.absent import optimized
 from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.types.data_types import ArrayType, Member
 from plcgen.s7.xml.reading.interface import InterfaceReader
@@ -255,4 +256,4 @@ def _optimized(tag: str, memory_layout: str | None, *, classic: bool | None) -> 
         return None
     if tag == "SW.Blocks.InstanceDB":
         return False if classic else None  # on S7-1200/1500 as its function block
-    return not classic
+    return optimized(classic=classic)

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from plcgen.s7.types.absent import is_optimized
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.types.system import system_block
 from plcgen.s7.xml.escape import content
@@ -137,7 +138,7 @@ def _attributes(block: Block, kind: str, setting: Setting, interface: str, of: B
     if block.kind is BlockKind.DB and spelt.get(SEEN_BY_OPC_UA.upper(), "").lower() == "false":
         texts[SEEN_BY_OPC_UA] = "false"
     if not setting.classic and kind not in {"SW.Types.PlcStruct", "SW.Blocks.InstanceDB"}:
-        texts["MemoryLayout"] = "Standard" if block.optimized is False else "Optimized"
+        texts["MemoryLayout"] = "Optimized" if is_optimized(block, {}, classic=False) else "Standard"
     if code and not setting.classic:
         texts["SetENOAutomatically"] = "false"
     if kind == "SW.Blocks.OB":
