@@ -87,8 +87,8 @@ def convert(
     """
     found = Converted()
     named = list(source_files(paths, found.diagnostics))
-    groups = by_plc(file.path for file in named)
-    called, setting = plc_names(groups), Setting(VERSIONS[version], classic, (culture,))
+    groups = by_plc((file.path for file in named), paths)
+    called, setting = plc_names(groups, paths), Setting(VERSIONS[version], classic, (culture,))
     files = []
     for folder, own in groups.items():
         shared = own if folder is None else [*own, *groups.get(None, ())]

@@ -116,7 +116,7 @@ def command(
     blocks = 0
     if program and target is not None:
         tables = (*_symbol_tables(paths), *tags)
-        found_sources, blocks = _programs(sources, documents, target, tables, _iec_checks(iec_check), encoding)
+        found_sources, blocks = _programs(paths, sources, documents, target, tables, _iec_checks(iec_check), encoding)
         subjects += found_sources
     elif sources:
         found_sources, blocks = _files(sources, target, encoding, out)
@@ -270,6 +270,7 @@ def _symbol_tables(paths: Sequence[Path]) -> list[Path]:
 
 
 def _programs(
+    paths: Sequence[Path],
     sources: list[Path],
     documents: list[Path],
     target: str,
@@ -291,11 +292,11 @@ def _programs(
     check = IecCheck(checks.get("", IecCheck.AS_STATED))
     stated = {block: when == IecCheck.ON for block, when in checks.items() if block and when != IecCheck.AS_STATED}
     by_file: dict[str, list[Diagnostic]] = {str(path): [] for path in sources}
-    groups, blocks = by_plc([*sources, *documents]), 0
-    for folder, paths in groups.items():
-        together = {*paths, *groups.get(None, ())}
+    groups, blocks = by_plc([*sources, *documents], paths), 0
+    for folder, inside in groups.items():
+        together = {*inside, *groups.get(None, ())}
         own = [path for path in sources if path in together]
-        if not own or (folder is None and len(groups) > 1 and not set(paths) & set(sources)):
+        if not own or (folder is None and len(groups) > 1 and not set(inside) & set(sources)):
             continue
         beside = [*(path for path in documents if path in together), *tables]
         result = check_program(

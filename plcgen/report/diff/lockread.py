@@ -20,12 +20,13 @@ from plcgen.base.files.validation import FileShape, Problems, StrictModel, probl
 from plcgen.base.files.yaml import YamlNode
 from plcgen.project.registry import protocols
 from plcgen.s7.compare.lockfile import ACCESS, FORMAT, content_hash
-from plcgen.s7.compare.model import BlockState, DriveState, JobState, MemberState, Snapshot, TelegramState
+from plcgen.s7.compare.model import BlockState, DriveState, JobState, MemberState, Snapshot, TelegramState, path_name
 
 _VALUE = re.compile(
     r"(?:(?P<byte>[0-9]{1,8})\.(?P<bit>[0-7]) (?P<size>[0-9]{1,9}) (?P<unit>B|bit) )?"
     r'(?P<type>(?:"[^"\n]*"|[^"\n])+?)(?: := (?P<start>.*?))?(?: \{(?P<braces>[^{}]*)\})?\Z'
 )
+_HIDDEN = re.compile("%([0-9A-F]{2})")
 _SECTIONS = {"members": "Static", "input": "Input", "output": "Output", "inout": "InOut", "static": "Static"}
 _SECTIONS |= {"return": "Return"}
 _KINDS = ("DB", "FB", "FC", "OB", "UDT")
@@ -66,8 +67,17 @@ def _line(text: object) -> _Line:
         bits = int(match["size"]) * (8 if match["unit"] == "B" else 1)
     parts = (part.partition("=") for part in (match["braces"] or "").split(", "))
     return _Line(
-        offset, bits, match["type"], match["start"] or "", tuple((name, value) for name, _, value in parts if name)
+        offset,
+        bits,
+        match["type"],
+        match["start"] or "",
+        tuple((name, _HIDDEN.sub(_shown, value)) for name, _, value in parts if name),
     )
+
+
+def _shown(match: re.Match[str]) -> str:
+    """A mark that stands as its code in a lock."""
+    return chr(int(match[1], 16))
 
 
 def _key(text: str) -> None:
@@ -303,7 +313,7 @@ class _Tree:
         """The frozen member with everything below it; only the first level has a section."""
         inner = tuple(tree.state("") for tree in self.inner)
         offset, bits, type_, start, attributes = self.line
-        name = self.path.rpartition(".")[2]
+        name = path_name(self.path)
         return MemberState(
             name, self.path, type_, section, offset, bits, start, "", attributes, inner, span=self.node.span
         )

@@ -153,10 +153,18 @@ def _members(member: MemberState, section: str) -> Iterator[tuple[str, str, str]
         size = f"{member.bits} bit" if member.bits % 8 else f"{member.bits // 8} B"
         where = f"{offset_text(member.offset)} {size} "
     start = f" := {member.start}" if member.start else ""
-    braces = ", ".join(f"{name.upper()}={value}" for name, value in member.attributes)
+    braces = ", ".join(f"{name.upper()}={_MARKS.sub(_hidden, value)}" for name, value in member.attributes)
     yield section, member.path, f"{where}{member.type}{start}{f' {{{braces}}}' if braces else ''}"
     for inner in member.inner:
         yield from _members(inner, section)
+
+
+_MARKS = re.compile("[{},]|%(?=[0-9A-F]{2})")
+"""What would end the value of an attribute, and what would look like the code of such a mark."""
+
+
+def _hidden(match: re.Match[str]) -> str:
+    return f"%{ord(match[0]):02X}"
 
 
 def _drive(drive: DriveState) -> str:

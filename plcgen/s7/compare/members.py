@@ -8,7 +8,7 @@ from difflib import SequenceMatcher
 
 from plcgen.base.diagnostics import Span
 from plcgen.base.diagnostics.counting import quantity
-from plcgen.s7.compare.model import BlockState, Found, MemberState
+from plcgen.s7.compare.model import BlockState, Found, MemberState, path_steps
 from plcgen.s7.types.absent import OF_MEMBERS
 
 INTERNAL = frozenset(
@@ -287,7 +287,7 @@ def _distance(bits: int) -> str:
 
 def _root(path: str) -> str:
     """Name of the member on the first level: ``motor`` of ``motor.speed`` and of ``motor[].speed``."""
-    return path.partition(".")[0].partition("[")[0]
+    return path_steps(path)[0].removesuffix("[]") if path else ""
 
 
 def _incomparable(old: MemberState, new: MemberState) -> bool:

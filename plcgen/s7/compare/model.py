@@ -5,6 +5,7 @@ A state holds what others can notice of a block: it is made from sources, from a
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -14,8 +15,24 @@ from plcgen.s7.compare.policy import Level, fails
 from plcgen.s7.read.code import Code
 from plcgen.s7.types.blocks import block_title
 
+_STEP = re.compile(r'(?:"[^"]*"|[^."])+')
 _NAMED = frozenset({"member-added", "member-removed", "member-renamed", "member-spelling", "parameter-required"})
 """Kinds of changes whose message names the member."""
+
+
+def path_step(name: str) -> str:
+    """A name as a step of a path: in quotes if it has what separates or ends steps."""
+    return f'"{name}"' if any(mark in name for mark in ".[]") else name
+
+
+def path_steps(path: str) -> list[str]:
+    """Steps of a path as they stand there, indices and quotes included."""
+    return _STEP.findall(path)
+
+
+def path_name(path: str) -> str:
+    """Name of the member at the end of a path."""
+    return path_steps(path)[-1].strip('"') if path else ""
 
 
 @dataclass(frozen=True, slots=True)

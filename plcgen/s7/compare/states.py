@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.s7.compare.instances import instance_starts
-from plcgen.s7.compare.model import BlockState, MemberState, Snapshot
+from plcgen.s7.compare.model import BlockState, MemberState, Snapshot, path_step
 from plcgen.s7.compare.starts import array_start, literal_start, normalized, scalar_start
 from plcgen.s7.layout.image import image
 from plcgen.s7.layout.layout import layout_block
@@ -93,7 +93,10 @@ class _State:
             attributes=tuple(sorted(attributes.items())),
             members=members,
             locals=tuple(
-                self.declared(m, s.kind.value, m.name) for s in source.sections if s.kind in _LOCALS for m in s.members
+                self.declared(m, s.kind.value, path_step(m.name))
+                for s in source.sections
+                if s.kind in _LOCALS
+                for m in s.members
             ),
             assignments=self.assignments(foreign=foreign),
             code=self.found.code,
@@ -103,7 +106,7 @@ class _State:
 
     def attributes(self, path: str, member: Member) -> tuple[tuple[str, str], ...]:
         """What stands in braces at a member; a retentive block says it once, not at every member."""
-        own = self.found.attributes.get(path.replace("[]", "").upper(), {})
+        own = self.found.attributes.get(_plain(path), {})
         if "RETAIN" in own and is_retentive(self.source):
             own = {name: value for name, value in own.items() if name != "RETAIN"}
         spelt = {name.upper(): name for name, _ in member.attributes}
@@ -126,19 +129,19 @@ class _State:
                 self.laid(f.member, f.shape, f.offset, "", sections, foreign=foreign) for f in self.shape.fields
             )
         found = (m for s in self.source.sections if s.kind not in _LOCALS for m in s.members if not _is_void(m))
-        return tuple(self.declared(m, sections.get(m.name.upper(), ""), m.name) for m in found)
+        return tuple(self.declared(m, sections.get(m.name.upper(), ""), path_step(m.name)) for m in found)
 
     def laid(
         self, member: Member, shape: Shape, offset: int, prefix: str, sections: Mapping[str, str], *, foreign: bool
     ) -> MemberState:
         """One member at its place; the first element of an array stands for all of them."""
-        path = f"{prefix}{member.name}"
+        path = f"{prefix}{path_step(member.name)}"
         element, inner_path = shape, path
         while element.element is not None:
             element, inner_path = element.element, f"{inner_path}[]"
         named = isinstance(innermost(member.type), NamedType)
         if named and not foreign:
-            self.named.append(path.replace("[]", "").upper())
+            self.named.append(_plain(path))
         inner = tuple(
             self.laid(f.member, f.shape, offset + f.offset, f"{inner_path}.", {}, foreign=foreign or named)
             for f in element.fields
@@ -155,7 +158,7 @@ class _State:
         """One member without a place."""
         type_ = innermost(member.type)
         inner: Iterable[Member] = type_.members if isinstance(type_, StructType) else ()
-        children = tuple(self.declared(child, "", f"{path}.{child.name}") for child in inner)
+        children = tuple(self.declared(child, "", f"{path}.{path_step(child.name)}") for child in inner)
         return MemberState(
             member.name, path, _type(member), section, start=literal_start(member), comment=member.comment,
             attributes=self.attributes(path, member), inner=children, span=member.span,
@@ -197,6 +200,11 @@ def _doubt(problems: Sequence[Diagnostic], block: Block) -> Diagnostic:
 def _type(member: Member) -> str:
     text = type_text(member.type)
     return f"{text} AT {member.at}" if member.at is not None else text
+
+
+def _plain(path: str) -> str:
+    """A path as attributes and start values have it."""
+    return path.replace("[]", "").replace('"', "").upper()
 
 
 def _path(path: str) -> str:

@@ -79,17 +79,18 @@ def read_files(
     else in each of them; files that belong to none are there for all.
     """
     problems: list[Diagnostic] = []
-    files = list(source_files(paths, problems))
-    groups = by_plc(file.path for file in files)
+    named = list(paths)
+    files = list(source_files(named, problems))
+    groups = by_plc((file.path for file in files), named)
     if len(groups) == 1:
         found = _read_group(files, classic=classic, keep=keep)
         found.diagnostics = list(dict.fromkeys([*problems, *found.diagnostics]))
         return found
-    called, whole = plc_names(groups), Files(diagnostics=problems)
+    called, whole = plc_names(groups, named), Files(diagnostics=problems)
     for folder in sorted(groups, key=lambda folder: called[folder]):
         own = set(groups[folder])
         part = _read_group([file for file in files if file.path in own], classic=classic, keep=keep)
-        for name, block in whole.parts[""].types.items() if "" in whole.parts else ():
+        for name, block in whole.parts[""].types.items() if None in groups and folder is not None else ():
             part.types.setdefault(name, block)
         whole.parts[called[folder]] = part
         whole.blocks += part.blocks
