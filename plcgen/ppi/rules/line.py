@@ -169,7 +169,7 @@ def _times(plan: PpiPlan, master: PlannedMaster) -> Iterator[Diagnostic]:
                 key_or_value(plan, (*job.path, "timeout")),
                 help=f"{within}: allow more time, or read less",
             )
-        elif job.timeout < sum(took):
+        elif job.timeout < sum(took) and node_at(plan, (*job.path, "timeout")) is not None:
             yield Diagnostic(
                 "PG311",
                 f"the jobs of the master take {spelled(sum(took))} one after the other{given}",
