@@ -123,19 +123,20 @@ def rules(path: Path = RULES) -> list[Rule]:
     return found
 
 
-def read_list(path: Path) -> list[Row]:
-    """What a list says of the parameters that can be written."""
+def read_rows(path: Path) -> Iterator[dict[str, str]]:
+    """The lines of a list by its headings."""
     with path.open(encoding="utf-8", newline="") as file:
         file.readline()
-        rows = csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE)
-        return [
-            Row(
-                path.stem, row["letter"], int(row["number"]), row["title"], row["type"], row["objects"] or "",
-                row["notes"] or "",
-            )
-            for row in rows
-            if row["letter"] != "r"
-        ]  # fmt: skip
+        yield from csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE, restval="")
+
+
+def read_list(path: Path) -> list[Row]:
+    """What a list says of the parameters that can be written."""
+    return [
+        Row(path.stem, row["letter"], int(row["number"]), row["title"], row["type"], row["objects"], row["notes"])
+        for row in read_rows(path)
+        if row["letter"] != "r"
+    ]
 
 
 def classify(row: Row, known: Iterable[Rule]) -> Rule:

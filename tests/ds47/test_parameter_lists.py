@@ -1,0 +1,126 @@
+"""Whole lists of parameters: how they are made, what they say, and where a row made by hand says something else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from plcgen.ds47 import lists
+from plcgen.ds47.device import Parameter
+from plcgen.ds47.devices import find_device
+from plcgen.ds47.types import read_type
+from tests.evidence import lists as tool
+
+_HEAD = "letter\tnumber\tindex\tbits\ttitle\ttype\tdynamic_index\taccess\tchangeable\tmin\tmax\tdefault\tunit\tscaling"
+_HEAD += "\tobjects\tsince\tnotes\tvalues\tbit_names\tindex_names"
+
+
+def _made(tmp_path: Path, *rows: str) -> list[dict[str, str]]:
+    path = tmp_path / "toy.tsv"
+    path.write_text("\n".join(["# Toy 5, list of parameters", _HEAD, *rows, ""]), "utf-8")
+    first, heading, *lines = tool.text(path).splitlines()
+    assert (first, heading) == ("# Toy 5, list of parameters", "\t".join(lists.COLUMNS))
+    return [dict(zip(lists.COLUMNS, line.split("\t"), strict=False)) for line in lines]
+
+
+def test_a_list_becomes_facts_by_number(tmp_path: Path) -> None:
+    """Types are those of the wire, limits decimal, a signal source is marked, function modules are left out."""
+    rows = _made(
+        tmp_path,
+        "p\t1300\t0..n\t\tControl mode\tInteger16\tDDS\t2\tT\t0000 hex\t0013 hex\t0\t\t\tVECTOR, SERVO_AC\t2.6",
+        "p\t840\t0..n\t\tBI: ON\tUnsigned32 / Binary\tCDS\t3\tT\t\t\t722.0\t\t\tCU_S120_PN, SERVO (EPOS)\t2.6",
+        "r\t948\t0..63\t\tFault time\tUnsigned32\t\t3\t\t\t\t\tms\t\tAll objects (FBLOCKS)\t2.6",
+        "p\t7\t\t\tGain\tFloatingPoint32\t\t3\tT\t0.5\t3.4E99\t1.5 [ 1 ] 2\t\t\t\t2.6",
+    )
+    assert [row["number"] for row in rows] == ["7", "840", "948", "1300"]
+    gain, signal, fault, mode = rows
+    assert (gain["type"], gain["min"], gain["max"], gain["default"]) == ("FloatingPoint", "0.5", "", "")
+    assert (signal["type"], signal["bico"], signal["array"]) == ("Unsigned32", "bico", "CDS")
+    assert signal["objects"] == "CU_S120 SERVO"
+    assert (fault["type"], fault["array"], fault["objects"]) == ("TimeDifference", "64", "ALL")
+    assert (mode["min"], mode["max"], mode["default"], mode["objects"]) == ("0", "19", "0", "VECTOR")
+
+
+@pytest.mark.parametrize(
+    ("name", "number", "letter", "type_", "array", "low", "high", "unit"),
+    [
+        ("vector", 1120, "p", "FloatingPoint", "DDS", "0.0", "999999.0", "s"),
+        ("vector", 2507, "p", "Integer16", "EDS", "0", "4", ""),
+        ("g220", 840, "c", "Unsigned8", "CDS", "", "", ""),
+        ("g220", 1300, "p", "Integer16", "DDS", "0", "23", ""),
+        ("g220", 948, "r", "TimeDifference", "64", "", "", "ms"),
+    ],
+)
+def test_the_lists_say_what_is_printed(
+    name: str, number: int, letter: str, type_: str, array: str, low: str, high: str, unit: str
+) -> None:
+    """Facts as they are in the lists of the TIA Portal information system (V19)."""
+    said = lists.find(name, number)[0].texts
+    facts = [said[key] for key in ("letter", "type", "array", "min", "max", "unit")]
+    assert facts == [letter, type_, array, low, high, unit]
+
+
+def test_names_of_values_bits_and_objects() -> None:
+    """The operating display of a G220, its status word, and a number with one line for each kind of infeed."""
+    assert lists.find("g220", 2)[0].names("values")[31] == 'Ready for switching on - Set "ON/OFF1" = "0/1" (c0840)'
+    assert lists.find("g220", 899)[0].names("bits")[0] == "Ready for switching on (No/Yes)"
+    assert [one.objects for one in lists.find("a_inf", 2)] == [{"A_INF", "S_INF"}, {"B_INF"}]
+    assert lists.find("g220", 971) == []
+
+
+def test_firmware_6_of_an_s210_is_the_list_with_the_letter_c() -> None:
+    """Package sdrpa401, whose parameters exist since 6.1; sdrpa400 begins with 5.1 and has no c."""
+    assert lists.find("s210_fw6", 2530)[0].texts["letter"] == "c"
+    assert "sdrpa401" in lists.source("s210_fw6")
+    assert "sdrpa400" in lists.source("s210_fw5")
+
+
+@pytest.mark.parametrize("name", lists.names())
+def test_every_line_of_a_list_can_be_used(name: str) -> None:
+    """Numbers ascend, types are types of the wire, limits are in order, no line has a column too many."""
+    lines = (lists.FOLDER / f"{name}.tsv").read_text("utf-8").splitlines()
+    assert lines[0].startswith("# ")
+    assert lines[1].split("\t") == list(lists.COLUMNS)
+    before = 0
+    for line in lines[2:]:
+        row = dict(zip(lists.COLUMNS, line.split("\t"), strict=False))
+        assert line.count("\t") < len(lists.COLUMNS)
+        assert before <= int(row["number"]) <= 65535
+        before = int(row["number"])
+        read_type(row["type"])
+        if row.get("min") and row.get("max"):
+            assert float(row["min"]) <= float(row["max"]), line
+
+
+_LISTS = {
+    "sinamics-s120": ("vector", "cu", "a_inf", "tb30", "tm15", "tm31", "tm41", "tm120", "tm150"),
+    "sinamics-s150": ("vector", "cu"), "sinamics-g130": ("vector", "cu"), "sinamics-g150": ("vector", "cu"),
+    "sinamics-s210": ("s210_fw5",),
+}  # fmt: skip
+_WITH_MODULE = "the row has the values with the function module for speed control, the list those without"
+_WHY = dict.fromkeys(
+    ((device, number) for device in ("sinamics-s150", "sinamics-g130", "sinamics-g150") for number in (1300, 1900)),
+    _WITH_MODULE,
+)
+"""Rows that say something else than the lists, and why."""
+
+
+def _says(row: Parameter, listed: lists.Listed) -> bool:
+    texts = listed.texts
+    limits = {"min": row.minimum, "max": row.maximum}
+    same = all(
+        (float(texts[key]) if texts[key] else None) == value for key, value in limits.items() if value is not None
+    )
+    return texts["type"] == row.type and same
+
+
+@pytest.mark.parametrize("device", _LISTS)
+def test_rows_by_hand_and_lists_agree(device: str) -> None:
+    """Type and limits that were read by hand are those of the list, but for the pairs that are named here."""
+    wrong = set()
+    for number, row in find_device(device).parameters.items():
+        said = [one for name in _LISTS[device] for one in lists.find(name, number)]
+        if row.read("type") and not any(_says(row, one) for one in said):
+            wrong.add((device, number))
+    assert wrong == {pair for pair in _WHY if pair[0] == device}

@@ -1,0 +1,101 @@
+"""Lists of parameters as the package keeps them: one file for each, facts alone, made from a folder of lists.
+
+``python -m tests.evidence LISTS --part lists --save`` makes ``plcgen/ds47/lists/<name>.tsv`` of every ``<name>.tsv``
+that is a list of parameters (docs/devices.md has the columns of both). Whether the help of an installed TIA Portal can
+be read directly has not been tried: the lists are its text as a public copy has it.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from plcgen.ds47 import lists
+from plcgen.ds47.types import read_type
+from plcgen.ds47.wire import formats
+from plcgen.ds47.wire.formats import FormatValueError
+from tests.evidence.effects import read_rows
+
+OBJECTS = re.compile(r"VECTOR(_G)?|SERVO|DC_CTRL|[ASB]_INF|CU_(S120|S150|G130|G150)|CU_DC|TM[0-9]+(DI_DO)?|TB30")
+"""Drive objects that a profile has, without the fieldbus of a control unit and without function modules."""
+ON_WIRE = {"r948": "TimeDifference", "r965": "OctetString[2]"}
+"""Types that a drive answers with instead of those of the list (manuals of S120; the list of TM41 says it too)."""
+BY_PACKAGE = {"sdrpa400": "s210_fw5", "sdrpa401": "s210_fw6"}
+"""Lists whose file is named after the other firmware: 400 begins with version 5.1, 401 with 6.1."""
+_NUMBER = re.compile(r"-?[0-9]+(\.[0-9]+)?(E[+-]?[0-9]+)?\Z")
+_HEX = re.compile(r"([0-9A-F ]+) hex\Z")
+_BIN = re.compile(r"([01 ]+) bin\Z")
+_LAST = re.compile(r"(?:0\.\.)?([0-9]+)\Z")
+
+
+def number(text: str, fmt: str) -> str:
+    """A limit or factory setting as a decimal number; empty if it is none, or none of the type."""
+    for pattern, base in ((_HEX, 16), (_BIN, 2)):
+        match = pattern.match(text)
+        if match:
+            text = str(int(match[1].replace(" ", ""), base))
+    if not _NUMBER.match(text):
+        return ""
+    value: float = float(text) if fmt == "FloatingPoint" else int(float(text))
+    try:
+        formats.pack_values(read_type(fmt)[0], [value])
+    except (FormatValueError, OverflowError, struct.error):
+        return ""
+    return repr(value)
+
+
+def _objects(text: str) -> str:
+    found = {"ALL"} if "All objects" in text else set()
+    for one in text.split(", "):
+        match = OBJECTS.match(one)
+        rest = one[match.end() :] if match else "?"
+        if match and (rest.startswith((" (", "_PN", "_DP")) or not rest):
+            found.add(match[0])
+    return " ".join(sorted(found))
+
+
+def _array(row: Mapping[str, str]) -> str:
+    match = _LAST.match(row["index"])
+    if match:
+        return str(int(match[1]) + 1)
+    return (
+        (row["dynamic_index"] if row["dynamic_index"] in {"CDS", "DDS", "EDS", "MDS"} else "n") if row["index"] else ""
+    )
+
+
+def kept(row: Mapping[str, str]) -> list[str]:
+    """One parameter of a list as the package has it, in the order of ``lists.COLUMNS``."""
+    listed, _, signal = row["type"].partition(" / ")
+    fmt = ON_WIRE.get(f"{row['letter']}{row['number']}", "FloatingPoint" if listed == "FloatingPoint32" else listed)
+    strange = fmt.startswith("OctetString")
+    low, high, default = ("" if strange else number(row[key], fmt) for key in ("min", "max", "default"))
+    bounds = [float(one) for one in (low, high) if one]
+    if default and len(bounds) == 2 and not bounds[0] <= float(default) <= bounds[1]:
+        default = ""
+    return [
+        row["number"], row["letter"], _objects(row["objects"]), row["title"], fmt, "bico" if signal else "",
+        "" if strange else _array(row), row["unit"], low, high, default, row["scaling"], row["changeable"],
+        row["values"], row["bit_names"], row["index_names"],
+    ]  # fmt: skip
+
+
+def text(path: Path) -> str:
+    """The file of the package for a list: what it is, headings, and its parameters by number."""
+    rows = sorted((kept(row) for row in read_rows(path)), key=lambda one: int(one[0]))
+    with path.open(encoding="utf-8") as file:
+        head = file.readline().strip()
+    return "\n".join([head, "\t".join(lists.COLUMNS), *("\t".join(one).rstrip("\t") for one in rows), ""])
+
+
+def report(folder: Path, *, save: bool) -> Iterator[str]:
+    """How many parameters each list has; ``save`` writes the files."""
+    for path in sorted(folder.glob("*.tsv")):
+        if path.stem.startswith("messages"):
+            continue
+        made = text(path)
+        name = next((one for package, one in BY_PACKAGE.items() if package in made[:80]), path.stem)
+        if save:
+            (lists.FOLDER / f"{name}.tsv").write_text(made, "utf-8", newline="\n")
+        yield f"lists: {name:18} {made.count(chr(10)) - 2:5} parameters"
