@@ -99,10 +99,13 @@ _LISTS = {
     "sinamics-s210": ("s210_fw5",),
 }  # fmt: skip
 _WITH_MODULE = "the row has the values with the function module for speed control, the list those without"
-_WHY = dict.fromkeys(
-    ((device, number) for device in ("sinamics-s150", "sinamics-g130", "sinamics-g150") for number in (1300, 1900)),
-    _WITH_MODULE,
-)
+_WHY = {
+    **dict.fromkeys(
+        ((device, number) for device in ("sinamics-s150", "sinamics-g130", "sinamics-g150") for number in (1300, 1900)),
+        _WITH_MODULE,
+    ),
+    ("sinamics-s210", 980): "r0980 is printed for firmware 6.3, but in none of these lists",
+}
 """Rows that say something else than the lists, and why."""
 
 
