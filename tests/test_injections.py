@@ -53,8 +53,11 @@ def filled(stem: str, text: str) -> Any:
             for inner in ("stations", "jobs"):
                 for one in (entry.get(inner) or {}).values():
                     one["comment"] = text
+    for job in (data.get("jobs") or {}).values():
+        if "allow" in job:
+            job["allow"] = dict.fromkeys(job["allow"], text)
     for path in list(wrong_shapes.places(data)):
-        if path[-1:] in {("title",), ("unit",), ("why",), ("reason",), ("text",), ("allow",)}:
+        if path[-1:] in {("title",), ("why",), ("reason",), ("text",), ("allow",)}:
             above = wrong_shapes.at(data, path[:-1])
             if isinstance(above[path[-1]], str):
                 above[path[-1]] = text

@@ -76,3 +76,16 @@ def test_a_spec(tmp_path: Path) -> None:
         ("PG228", "warning"),
         ("PG227", "note"),
     ]
+
+
+@pytest.mark.parametrize("reason", ["", ".", "- .", "!!!", "x", "\u200b"])
+def test_what_is_no_reason(reason: str, tmp_path: Path) -> None:
+    """A mark or a letter allows nothing: the warning stays, and the comment is told."""
+    path = tmp_path / "job.yaml"
+    line = next(line for line in SPEC.splitlines() if "plcgen: allow" in line)
+    said = line[line.index("PG228") + 5 :]
+    path.write_text(SPEC.replace(f"PG228{said}", f"PG228 {reason}"), "utf-8")
+    found = [(each.code, each.severity.label) for each in api.check(path).diagnostics]
+    assert ("PG228", "warning") in found or any(severity == "error" for _, severity in found)
+    assert not [each for each in found if each == ("PG228", "note")]
+    assert ("PG111", "warning") in found or any(severity == "error" for _, severity in found)
