@@ -45,7 +45,7 @@ def _joined(
     base: Program, dialect: Dialect, own: Sequence[Path], constants: Mapping[str, int] | None, foreign: StandIns
 ) -> Program:
     """Load the sources of a folder once more, together with others."""
-    users = Program.load(own, dialect, constants=constants)
+    users = Program.load(own, dialect, constants=constants, foreign=own)
     taken = {name for name, entry in users.link.blocks.items() if entry.block.span is not None}
     cyclic = any(e.block.kind is BlockKind.OB and n not in _START_UP for n, e in users.link.blocks.items())
     stand_ins = {name.upper(): source for name, source in foreign.sources.items()}
@@ -65,5 +65,10 @@ def _joined(
             tags.setdefault(name, number)
     missing = [source for name, source in stand_ins.items() if name not in taken]
     return Program.load(
-        [*dict.fromkeys(sources), *own, *missing], dialect, tags=tags, numbers=numbers, constants=constants
+        [*dict.fromkeys(sources), *own, *missing],
+        dialect,
+        tags=tags,
+        numbers=numbers,
+        constants=constants,
+        foreign=own,
     )

@@ -16,7 +16,7 @@ from plcgen.s7.scl.constants import integer
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.scl.parser import ParseResult, parse
 from plcgen.s7.scl.unknown_names import UnknownNames
-from plcgen.s7.types.absent import is_optimized
+from plcgen.s7.types.absent import OF_BLOCKS, is_optimized
 from plcgen.s7.types.address import Address, AddressError, parse_address
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.types.data_types import NamedType
@@ -113,7 +113,8 @@ class Linkage:
     first of those that run equally often unless a fault ends the scan. ``points`` grow while blocks are compiled for
     preemption.
 
-    ``stated`` says of single blocks whether their IEC check is on, ``iec_check`` of all others.
+    ``stated`` says of single blocks whether their IEC check is on, ``iec_check`` of all others; ``foreign`` are those
+    that plcgen did not generate.
     ``opaque`` are the types that nobody declares: they are reported once, and nothing is said about what they hold.
     ``unknown`` are the names that were reported as unknown; ``guessed_bounds`` says that an array has a
     bound whose value stands elsewhere: then one of a single element may have more.
@@ -136,6 +137,7 @@ class Linkage:
     decisions: list[Decision] = field(default_factory=list)
     points: list[Probe] = field(default_factory=list)
     iec_check: IecCheck = IecCheck.AS_STATED
+    foreign: set[str] = field(default_factory=set)
     stated: Mapping[str, bool] = field(default_factory=dict)
     user_constants: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     literals: dict[str, str] = field(default_factory=dict)
@@ -160,7 +162,18 @@ class Linkage:
 
     def rules(self, block: str) -> TypeRules:
         """What a block may mix."""
-        return TypeRules.of(self.dialect, self.iec_check, stated=self.stated.get(block.upper()))
+        stated = self.stated.get(block.upper())
+        if stated is None and self.iec_check is IecCheck.AS_STATED and block.upper() in self.foreign:
+            stated = OF_BLOCKS["ISIECCHECKENABLED"] == "TRUE"
+        return TypeRules.of(self.dialect, self.iec_check, stated=stated)
+
+    def unstated(self) -> list[ProgramBlock]:
+        """Blocks with code that others wrote and of whose IEC check nothing is said, where there is one."""
+        if self.iec_check is not IecCheck.AS_STATED or self.dialect is not Dialect.TIA_1200_1500:
+            return []
+        code = (BlockKind.FB, BlockKind.FC, BlockKind.OB)
+        blocks = (self.blocks[name] for name in self.blocks if name in self.foreign and name not in self.stated)
+        return [entry for entry in blocks if entry.block.kind in code]
 
     def is_opaque(self, shape: Shape) -> bool:
         """Whether nobody knows what a variable of this shape holds."""

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from itertools import groupby
+from itertools import groupby, islice
 from pathlib import Path
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity, Span, has_errors
@@ -97,6 +97,7 @@ class Program:
         coverage: bool = False,
         litter: bool = False,
         iec_check: IecCheck = IecCheck.AS_STATED,
+        foreign: Collection[Source] = (),
         stated: Mapping[str, bool] | None = None,
         encoding: str | None = None,
         beside: Surroundings | None = None,
@@ -108,7 +109,8 @@ class Program:
         numbers (``DB 471``); ``numbers`` maps names of data blocks to their numbers, ``constants`` names of system
         constants to theirs. ``coverage`` counts statements, branches and deciding operands; with ``litter`` local data
         holds garbage at the start of a call, of two kinds in turn. ``iec_check`` says which implicit conversions are
-        right, ``stated`` the same of single blocks; ``encoding`` names the code page of ANSI files. What
+        right, ``stated`` the same of single blocks, and those of ``foreign`` sources, which plcgen did not generate,
+        have none unless it is stated; ``encoding`` names the code page of ANSI files. What
         ``beside`` knows counts where nothing else says it; ``lean`` is for large programs.
         """
         program = cls(Linkage(dialect, coverage=coverage, litter=litter, iec_check=iec_check), lean=lean)
@@ -116,7 +118,10 @@ class Program:
         program.link.add_constants(constants or {}, beside.constants)
         program.link.stated = beside.stated | {name.upper(): checked for name, checked in (stated or {}).items()}
         for source in sources:
+            before = len(program.link.blocks)
             program.read(source, encoding)
+            if source in foreign:
+                program.link.foreign.update(islice(program.link.blocks, before, None))
         for file, text in beside.interfaces:
             program.read_interface(file, text)
         program.link.add_tags(beside.tags)

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 from pathlib import Path
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Note, Severity, Span, has_errors
+from plcgen.base.diagnostics.counting import quantity
 from plcgen.base.files.files import walk
 from plcgen.s7.cpu.program import Program, unfit_start_values
 from plcgen.s7.cpu.sharing import sharing
 from plcgen.s7.cpu.surroundings import Surroundings
 from plcgen.s7.cpu.type_rules import IecCheck
 from plcgen.s7.read.files import MAX_FILES, MAX_SEEN
+from plcgen.s7.read.generated import foreign_files
 from plcgen.s7.read.text import SD_SUFFIXES, is_binary_file, left_out, load_text, read_source
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.scl.parser import ParseResult
@@ -21,6 +24,8 @@ from plcgen.s7.scl.parser import ParseResult
 SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", ".st"})
 """What counts as a PLC source when a folder is searched."""
 
+_TYPED = frozenset({"PG821", "PG824"})
+"""What depends on the IEC check."""
 MAX_DIGITS = 10
 """Digits of the largest constant, an UDINT."""
 
@@ -87,28 +92,38 @@ def check_program(
     ``tags`` maps names to address and type, see ``Program.load``; a number instead of an address is the value of a
     system constant. What the soft CPU cannot execute (PG827) is no mistake here: nothing is run. ``documents`` are
     SimaticML exports beside them: what they declare is known, and what they state of the IEC check of a block counts
-    unless ``stated`` or ``iec_check`` says otherwise.
+    unless ``stated`` or ``iec_check`` says otherwise. Where nothing does, it is on in files that plcgen generated and
+    off in all others.
     """
     files = [Path(path) for path in paths]
     beside = Surroundings.read(documents, target)
     if iec_check is not IecCheck.AS_STATED:
         beside.stated.clear()
     constants, places = _apart(tags or {})
-    program = Program.load(
-        files,
-        target,
-        tags=places,
-        constants=constants,
-        iec_check=iec_check,
-        stated=stated,
-        encoding=encoding,
-        beside=beside,
+    load = partial(
+        Program.load, files, target, tags=places, constants=constants, stated=stated, encoding=encoding, beside=beside
     )
+    program = load(iec_check=iec_check, foreign=foreign_files(files))
     found = [problem for problem in program.diagnostics if problem.code != "PG827"]
     loaded = [load_text(path, target, encoding=encoding) for path in paths]
     refused = [problem for text in loaded if not isinstance(text, Diagnostic) for problem in text[1]]
-    found = sorted([*found, *sharing(program.link)], key=lambda d: d.sort_key)
+    found = sorted(
+        [*found, *_unchecked(program, partial(load, iec_check=IecCheck.ON)), *sharing(program.link)],
+        key=lambda d: d.sort_key,
+    )
     return SourceCheck(tuple(map(Path, paths)), len(program.link.blocks), (*refused, *found))
+
+
+def _unchecked(program: Program, with_check: Callable[[], Program]) -> Iterator[Diagnostic]:
+    """Say once what compiles only without the IEC check, if nothing states of its blocks whether they have it."""
+    if not program.link.unstated():
+        return
+    known = {(d.code, d.span) for d in program.diagnostics}
+    more = [d for d in with_check().diagnostics if d.code in _TYPED and (d.code, d.span) not in known]
+    if more:
+        message = f"{quantity(len(more), 'place')} would not compile with IEC check, and nothing states that it is on"
+        help_ = "--iec-check on shows them; --iec-check off is silent"
+        yield Diagnostic("PG828", f"{message}: this is the first", more[0].span, Severity.NOTE, help=help_)
 
 
 def _apart(

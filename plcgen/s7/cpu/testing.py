@@ -72,8 +72,8 @@ def load_scl(
 ) -> Bench:
     """Load files or texts and switch the CPU on.
 
-    A single folder is loaded as ``plcgen generate`` writes it. ``iec_check`` is on, off or as-stated: as the tool sets
-    it. Raises DiagnosticError if the sources are wrong.
+    A single folder is loaded as ``plcgen generate`` writes it. ``iec_check`` is on, off or as-stated: on in such a
+    folder, for S7-1200/1500, and off in other sources. Raises DiagnosticError if the sources are wrong.
     """
     target = BY_NAME.get(dialect) or Dialect(dialect)
     check = IecCheck(iec_check)
@@ -81,7 +81,9 @@ def load_scl(
     if isinstance(only, Path) and only.is_dir():
         program = load_folder(only, target, coverage=coverage, iec_check=check)
     else:
-        program = Program.load(sources, target, tags=tags, numbers=numbers, coverage=coverage, iec_check=check)
+        program = Program.load(
+            sources, target, tags=tags, numbers=numbers, coverage=coverage, iec_check=check, foreign=sources
+        )
     if not program.ok:
         raise DiagnosticError(program.diagnostics)
     return Bench(program, drives, family)

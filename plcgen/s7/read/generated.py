@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 
 from plcgen.base.files.files import read_bounded
@@ -58,6 +59,17 @@ def manifest_of(folder: Path) -> dict[str, str] | None:
         return known_files(read_bounded(folder / MANIFEST, MAX_MANIFEST))
     except (OSError, ValueError):
         return None
+
+
+def foreign_files(paths: Iterable[Path]) -> list[Path]:
+    """Files that no manifest lists, of the folder around them or of the one around that: plcgen did not make them."""
+    files = list(paths)
+    known = {folder: manifest_of(folder) or {} for folder in {folder for path in files for folder in _near(path)}}
+    return [path for path in files if all(path.relative_to(at).as_posix() not in known[at] for at in _near(path))]
+
+
+def _near(path: Path) -> list[Path]:
+    return list(path.parents)[:2]
 
 
 def generated_sources(folder: Path) -> list[Path]:
