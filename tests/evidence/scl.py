@@ -196,12 +196,14 @@ def _programs(place: Path, paths: list[Path], target: Dialect, judged: Judged, f
     for table in sorted(path for path in place.rglob("*") if path.suffix.lower() in SUFFIXES):
         tags |= read_tag_file(table)
     checked = partial(check_program, target=target, tags=tags, documents=documents)
+    documented = Surroundings.read(documents, target).stated
+    check_of_target = IecCheck.OFF if target.classic else IecCheck.ON
     rest = paths
     while rest:
         program, rest = _without_twins(rest)
         strict, free = (
-            _problems(place, program, figures, partial(checked, iec_check=check))
-            for check in (IecCheck.AS_STATED, IecCheck.OFF)
+            _problems(place, program, figures, partial(checked, iec_check=check, stated=stated))
+            for check, stated in ((check_of_target, documented), (IecCheck.OFF, None))
         )
         said = {(d.span, d.code, d.message) for d in free}
         for problem in strict:
