@@ -10,7 +10,7 @@ import click
 from plcgen.api import default_folder
 from plcgen.base.replacing import replace_file
 from plcgen.cli.options import PATH, console, faults_option, verb
-from plcgen.cli.output import OK, PROBLEMS, Console
+from plcgen.cli.output import OK, PROBLEMS, Console, OutputError
 from plcgen.proof.effort import Faults
 
 if TYPE_CHECKING:
@@ -52,7 +52,10 @@ def _copy(out: Console, folder: Path) -> list[Path]:
         target = folder / source.name
         data = source.read_bytes()
         if not target.exists():
-            replace_file(target, data, None)
+            try:
+                replace_file(target, data, None)
+            except OSError as problem:
+                raise OutputError(f"cannot write {target}: {problem.strerror or problem}") from problem
             out.say(f"copied {target}")
         elif target.read_bytes() != data:
             out.say(f"kept {target}: it differs from the shipped one")

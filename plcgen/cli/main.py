@@ -162,7 +162,7 @@ def _unexpected(problem: Exception) -> int:
     if isinstance(problem, OSError) and problem.filename is not None:
         output.error_line(f"{problem.filename}: {problem.strerror or problem}")
         return output.PROBLEMS
-    if isinstance(problem, OSError) and problem.errno in {errno.ENOSPC, errno.EDQUOT, errno.EIO}:
+    if isinstance(problem, OSError) and problem.errno in {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}:
         output.error_line(f"cannot write: {problem.strerror}")
         output.abandon_stdout()
         return output.PROBLEMS

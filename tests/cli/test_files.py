@@ -176,3 +176,39 @@ def test_a_signal_ends_tidily(
     assert plcgen(verb, *args, out).code == code
     assert [each.name for each in out.rglob("*")] == ["notes.txt"]
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+
+
+OTHER_WRITERS = {
+    "new": ["FILE"],
+    "generate": ["job.yaml", "--out", "FILE"],
+    "texts": ["--out", "FILE"],
+    "convert": ["a.db", "--to", "xml", "--out", "FILE"],
+    "lock": ["a.db", "--out", "FILE"],
+    "catalogue import": ["list.csv", "--device", "sinamics-g120", "--profile", "FILE"],
+    "demo": ["FILE"],
+}
+"""How verbs that write something else than a result are called."""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of files as POSIX has them")
+def test_no_room_for_a_file(work: Path, process: Callable) -> None:
+    """Whoever writes tells which file does not fit, exit code 1, and leaves nothing of it behind."""
+    import resource
+
+    (work / "list.csv").write_text("Parameter;Parameter text;Minimum;Maximum\np2940;Wobble;0;9\n")
+    writers = {verb for verb, found in verbs() for param in found.params if {"--out", "--output"} & {*param.opts}}
+    assert writers - set(WRITES) - set(OTHER_WRITERS) <= {"verify", "simulate"}, "these read --out"
+    calls = {f"{verb} -o": [*verb.split(), *args, "-o", "FILE"] for verb, (args, _) in WRITES.items()}
+    calls |= {verb: [*verb.split(), *args] for verb, args in OTHER_WRITERS.items()}
+    for number, (verb, args) in enumerate(calls.items()):
+        name = f"full{number}{'.yaml' if verb in {'new', 'catalogue import', 'lock'} else ''}"
+        limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20, 20))  # noqa: E731 - for the child alone
+        ended = process(*(name if arg == "FILE" else arg for arg in args), preexec_fn=limit)
+        said = ended.stderr.decode()
+        assert (ended.returncode, "PG902" in said) == (1, False), (verb, said)
+        assert "File too large" in said, (verb, said)
+        assert name in said, (verb, said)
+        assert not [each for each in (work / name).rglob("*") if each.is_file()]
+        assert not (work / name).is_file()
+    assert not list(work.glob(".plcgen-draft-*"))
