@@ -156,24 +156,29 @@ def diff(
     *,
     policy: Sequence[str] = (),
     classic: bool = False,
+    keep_going: bool = False,
 ) -> Comparison:
     """Compare two versions of sources (files or folders) or specs from the outside.
 
     ``policy`` holds ``id=class`` settings and policy files, later ones win; ``classic``: SimaticML documents are
-    for S7-300/400.
+    for S7-300/400; ``keep_going``: files that cannot be read are left out, with a warning.
     """
     from plcgen.report.diff.run import compare
 
-    return compare(_paths(old), _paths(new), policy, classic=classic)
+    return compare(_paths(old), _paths(new), policy, classic=classic, keep_going=keep_going)
 
 
 def lock(
-    *paths: Path | str, out: Path | str = "plcgen.lock.yaml", classic: bool = False, force: bool = False
+    *paths: Path | str,
+    out: Path | str = "plcgen.lock.yaml",
+    classic: bool = False,
+    force: bool = False,
+    keep_going: bool = False,
 ) -> LockResult:
     """Write the layout lock of sources (files or folders) or one spec; without paths, of those the lock names."""
     from plcgen.report.diff.lock import write_lock
 
-    return write_lock([Path(path) for path in paths], Path(out), classic=classic, force=force)
+    return write_lock([Path(path) for path in paths], Path(out), classic=classic, force=force, keep_going=keep_going)
 
 
 def check_lock(
@@ -181,11 +186,12 @@ def check_lock(
     lock: Path | str = "plcgen.lock.yaml",
     policy: Sequence[str] = (),
     classic: bool = False,
+    keep_going: bool = False,
 ) -> Comparison:
     """Compare a layout lock with sources or a spec; without paths, with those the lock names."""
     from plcgen.report.diff.lock import check_lock as run
 
-    return run([Path(path) for path in paths], Path(lock), policy, classic=classic)
+    return run([Path(path) for path in paths], Path(lock), policy, classic=classic, keep_going=keep_going)
 
 
 def audit(*paths: Path | str, spec: Path | str) -> Verification:

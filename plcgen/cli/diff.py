@@ -36,6 +36,7 @@ FAIL_ON = ("breaking", "compatible", "any", "never")
 @click.option("--policy", multiple=True, metavar="ID=CLASS|FILE", help="Classify changes differently (repeatable).")
 @click.option("-v", "--verbose", is_flag=True, help="List every moved member and every changed line.")
 @click.option("--classic", is_flag=True, help="SimaticML documents are for S7-300/400.")
+@click.option("--keep-going", is_flag=True, help="Leave out files that cannot be read, with a warning.")
 @click.option("--list-changes", is_flag=True, help="Print all kinds of changes with their classes.")
 @format_option("comparison")
 @output_option()
@@ -46,6 +47,7 @@ def command(
     policy: tuple[str, ...],
     verbose: bool,
     classic: bool,
+    keep_going: bool,
     list_changes: bool,
     format_: OutputFormat,
     output: Path | None,
@@ -67,7 +69,7 @@ def command(
         raise click.UsageError("give two versions: OLD and NEW")
     from plcgen import api
 
-    result = api.diff(paths[0], paths[1], policy=policy, classic=classic)
+    result = api.diff(paths[0], paths[1], policy=policy, classic=classic, keep_going=keep_going)
     result = replace(result, diagnostics=(*result.diagnostics, *out.weakened))
     if not format_.complete:
         out.complain(result.diagnostics)

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 @click.option("--policy", multiple=True, metavar="ID=CLASS|FILE", help="Classify changes differently, as in diff.")
 @click.option("-v", "--verbose", is_flag=True, help="List every moved member.")
 @click.option("--classic", is_flag=True, help="SimaticML documents are for S7-300/400.")
+@click.option("--keep-going", is_flag=True, help="Leave out files that cannot be read, with a warning.")
 @format_option("comparison")
 @output_option()
 def command(
@@ -50,6 +51,7 @@ def command(
     policy: tuple[str, ...],
     verbose: bool,
     classic: bool,
+    keep_going: bool,
     format_: OutputFormat,
     output: Path | None,
 ) -> int:
@@ -62,11 +64,11 @@ def command(
 
     out = console()
     if check:
-        result = api.check_lock(*paths, lock=path, policy=policy, classic=classic)
+        result = api.check_lock(*paths, lock=path, policy=policy, classic=classic, keep_going=keep_going)
         return _show(out, result, fail_on, format_, output, verbose=verbose)
     if format_.name != "text" or output is not None:
         raise click.UsageError("--format and --output belong to --check")
-    written = api.lock(*paths, out=path, classic=classic, force=out.force)
+    written = api.lock(*paths, out=path, classic=classic, force=out.force, keep_going=keep_going)
     out.complain(written.diagnostics)
     if not written.ok:
         out.say("nothing was written")

@@ -55,3 +55,20 @@ def test_wrong_use(plcgen):
     """Sources and spec are needed."""
     assert plcgen("audit", "x.db").code == 2
     assert plcgen("audit", "--spec", "x.yaml").code == 2
+
+
+def test_nothing_checked_is_no_success(plcgen, tmp_path):
+    """Sources without anything of the spec: exit code 2, and the reason; nothing is an error of the sources."""
+    (tmp_path / "other.scl").write_text("FUNCTION FC1 : INT\nBEGIN\nFC1 := 1;\nEND_FUNCTION\n")
+    result = plcgen("audit", tmp_path / "other.scl", "--spec", FAQ)
+    assert result.code == 2
+    assert "nothing was checked" in result.err
+
+
+def test_a_check_that_was_not_run_is_an_error_if_strict(plcgen, tmp_path):
+    """One of four buffers is there: 0 without --strict, 1 with it."""
+    shutil.copy(SOURCES / "DB3.db", tmp_path / "DB3.db")
+    shutil.copy(SOURCES / "DB4.db", tmp_path / "DB4.db")
+    run = ["audit", tmp_path, "--spec", FAQ]
+    assert [plcgen(*run).code, plcgen(*run, "--strict").code] == [0, 1]
+    assert "--strict" in plcgen(*run, "--strict").err

@@ -35,15 +35,17 @@ class LockResult:
         return not has_errors(self.diagnostics)
 
 
-def write_lock(paths: Sequence[Path], path: Path, *, classic: bool = False, force: bool = False) -> LockResult:
+def write_lock(
+    paths: Sequence[Path], path: Path, *, classic: bool = False, force: bool = False, keep_going: bool = False
+) -> LockResult:
     """Write the lock of sources or one spec; without paths, of those that the existing lock names.
 
     Nothing is written if something cannot be read, or if the file is there and is no lock (PG501), unless
-    ``force`` says so.
+    ``force`` says so; with ``keep_going``, files with errors are left out.
     """
     try:
         chosen = list(paths) or _locked_sources(path)
-        state = reduced(snapshot(chosen, classic=classic))
+        state = reduced(snapshot(chosen, classic=classic, keep_going=keep_going))
         help_ = "spell such a character as SCL does ($N, $200B), or leave this source out"
         lost = [
             Diagnostic("PG633", f"a lock cannot keep {what}", span or Span(str(path)), help=help_)
@@ -70,13 +72,20 @@ def write_lock(paths: Sequence[Path], path: Path, *, classic: bool = False, forc
     return LockResult(path, len(state.blocks), changed, found)
 
 
-def check_lock(paths: Sequence[Path], path: Path, policy: Sequence[str] = (), *, classic: bool = False) -> Comparison:
+def check_lock(
+    paths: Sequence[Path],
+    path: Path,
+    policy: Sequence[str] = (),
+    *,
+    classic: bool = False,
+    keep_going: bool = False,
+) -> Comparison:
     """Compare the lock with sources or a spec; without paths, with those that the lock names."""
     try:
         levels = load_policy(policy)
         lock = read_lock(path)
         chosen = list(paths) or _inside(lock.sources, path)
-        state = reduced(snapshot(chosen, classic=classic))
+        state = reduced(snapshot(chosen, classic=classic, keep_going=keep_going))
     except DiagnosticError as problem:
         return Comparison(path.as_posix(), "", (), problem.diagnostics)
     return compare_snapshots(lock.snapshot, state, levels, classic=classic)

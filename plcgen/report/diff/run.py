@@ -25,18 +25,24 @@ input writes, what a sequence waits for and the records of a recipe are in no te
 
 
 def compare(
-    old: Sequence[Path], new: Sequence[Path], policy: Sequence[str] = (), *, classic: bool = False
+    old: Sequence[Path],
+    new: Sequence[Path],
+    policy: Sequence[str] = (),
+    *,
+    classic: bool = False,
+    keep_going: bool = False,
 ) -> Comparison:
     """Compare two sets of sources, folders or specs; every problem is a diagnostic of the result.
 
-    A spec against sources means the sources that would be generated from it.
+    A spec against sources means the sources that would be generated from it. ``keep_going``: files with errors are left
+    out, with a warning.
     """
     labels = (_label(old), _label(new))
     try:
         levels = load_policy(policy)
     except DiagnosticError as problem:
         return Comparison(*labels, (), problem.diagnostics)
-    before, after = _both(old, new, classic=classic)
+    before, after = _both(old, new, classic=classic, keep_going=keep_going)
     return compare_snapshots(before, after, levels, classic=classic)
 
 
@@ -62,11 +68,12 @@ def _is_twin(change: Change, names: frozenset[str]) -> bool:
     return name.strip('"').upper() in names and (kind.startswith("UDT") or change.kind == "start-value")
 
 
-def _both(old: Sequence[Path], new: Sequence[Path], *, classic: bool) -> tuple[Snapshot, Snapshot]:
+def _both(old: Sequence[Path], new: Sequence[Path], *, classic: bool, keep_going: bool) -> tuple[Snapshot, Snapshot]:
     """Both states; a type that only one side's files declare serves the other side too."""
     if any(path.suffix.lower() in YAML_SUFFIXES for path in (*old, *new)):
-        return snapshot(old, classic=classic), snapshot(new, classic=classic)
-    before, after = _read(old, classic=classic), _read(new, classic=classic)
+        first, second = (snapshot(side, classic=classic, keep_going=keep_going) for side in (old, new))
+        return first, second
+    before, after = (_read(side, classic=classic, keep_going=keep_going) for side in (old, new))
     lent = dict(before.types)
     for side, other in ((before, after.types), (after, lent)):
         for part in (side, *side.parts.values()):
@@ -75,18 +82,18 @@ def _both(old: Sequence[Path], new: Sequence[Path], *, classic: bool) -> tuple[S
     return snapshot_of(before, _label(old)), snapshot_of(after, _label(new))
 
 
-def snapshot(paths: Sequence[Path], *, classic: bool = False) -> Snapshot:
+def snapshot(paths: Sequence[Path], *, classic: bool = False, keep_going: bool = False) -> Snapshot:
     """State of a spec, or of files and folders; a spec stands alone."""
     specs = [path for path in paths if path.suffix.lower() in YAML_SUFFIXES]
     if not specs:
-        return snapshot_of(_read(paths, classic=classic), _label(paths))
+        return snapshot_of(_read(paths, classic=classic, keep_going=keep_going), _label(paths))
     if len(paths) > 1:
         message = "a spec is compared on its own: name it without other files"
         return Snapshot(_label(paths), diagnostics=[Diagnostic("PG632", message, Span(str(specs[0])))])
     return spec_snapshot(specs[0])
 
 
-def _read(paths: Sequence[Path], *, classic: bool) -> Sources:
+def _read(paths: Sequence[Path], *, classic: bool, keep_going: bool) -> Sources:
     """Read the sources of one side; what would never be compared is an error.
 
     That is a second declaration of a block, and files in which there is no block at all, tag tables for example.
@@ -95,9 +102,24 @@ def _read(paths: Sequence[Path], *, classic: bool) -> Sources:
     found.diagnostics[:] = [
         dataclasses.replace(d, severity=Severity.ERROR) if d.code == "PG805" else d for d in found.diagnostics
     ]
+    if keep_going:
+        _leave_out(found)
     if not found.blocks and not has_errors(found.diagnostics) and not _is_void(paths):
         found.diagnostics.append(Diagnostic("PG804", "there is no block in these files", Span(str(paths[0]))))
     return found
+
+
+def _leave_out(sources: Sources) -> None:
+    """Without the files that have errors, each of which becomes a warning."""
+    bad = {d.span.file for d in sources.diagnostics if d.severity is Severity.ERROR}
+    for part in (sources, *sources.parts.values()):
+        part.blocks = [block for block in part.blocks if block.file not in bad]
+    sources.diagnostics[:] = [
+        dataclasses.replace(d, severity=Severity.WARNING, message=f"left out: {d.message}")
+        if d.severity is Severity.ERROR
+        else d
+        for d in sources.diagnostics
+    ]
 
 
 def _is_void(paths: Sequence[Path]) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -28,6 +29,7 @@ _MODERN = HARDWARE | {
     "LREAL", "LINT", "ULINT", "USINT", "UINT", "UDINT", "SINT", "LWORD", "LTIME", "LDT", "LTIME_OF_DAY", "DTL",
     "WSTRING", "WCHAR", "VARIANT", "IEC_TIMER", "TON_TIME", "TOF_TIME", "TP_TIME", "TONR_TIME",
 }  # fmt: skip
+_GRAPHICAL = re.compile(r"network in (.+?) is not read")
 _TYPES = frozenset({BlockKind.UDT, BlockKind.FB})
 MAX_SEEN = 200_000
 """So many entries of a folder tree are looked at."""
@@ -84,7 +86,7 @@ def read_files(
     groups = by_plc((file.path for file in files), named)
     if len(groups) == 1:
         found = _read_group(files, classic=classic, keep=keep)
-        found.diagnostics = list(dict.fromkeys([*problems, *found.diagnostics]))
+        found.diagnostics = _graphical_once(dict.fromkeys([*problems, *found.diagnostics]))
         return found
     called, whole = plc_names(groups, named), Files(diagnostics=problems)
     for folder in sorted(groups, key=lambda folder: called[folder]):
@@ -98,7 +100,20 @@ def read_files(
         whole.modern = whole.modern or part.modern
         for name, block in part.types.items():
             whole.types.setdefault(name, block)
+    whole.diagnostics = _graphical_once(whole.diagnostics)
     return whole
+
+
+def _graphical_once(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """The notes about blocks with graphical networks as one, at the first of them: a project has hundreds."""
+    given = list(diagnostics)
+    graphical = [diagnostic for diagnostic in given if diagnostic.code == "PG814"]
+    if len(graphical) < 2:
+        return given
+    languages = sorted({match[1] for d in graphical if (match := _GRAPHICAL.search(d.message)) is not None})
+    what = f"networks of {len(graphical)} blocks, in {', '.join(languages)}, are not read"
+    once = replace(graphical[0], message=f"{what}: only their interfaces are used; this is the first")
+    return [once if d is graphical[0] else d for d in given if d is graphical[0] or d.code != "PG814"]
 
 
 def _read_group(files: Sequence[SourceFile], *, classic: bool, keep: Callable[[ParseResult], object] | None) -> Files:

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import plcgen
+from tests.s7.xml.reading.documents import document, function_block, sections
 
 PLACES = ("", "Program blocks", "Program blocks/Line", "PLC_1/Program blocks", "PLC_2/Program blocks", "lib")
 PLACES += ("Sub/PLC_1/Program blocks", "PLC data types", "PLC_1/Software units/U/Program blocks", "ä b/c,d")
@@ -113,3 +114,35 @@ def test_names_that_look_like_paths(name, tmp_path):
     for result in (plcgen.diff(old, new), plcgen.check_lock(new, lock=lock)):
         (change,) = result.changes
         assert (change.kind, name in change.path) == ("start-value", True)
+
+
+def test_a_broken_file_is_left_out_if_asked(tmp_path):
+    """One unreadable document blocks diff and lock; with keep_going the rest is compared, and that is said."""
+    text = 'DATA_BLOCK "B"\nSTRUCT\na : Int := {};\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
+    broken = {"c.xml": "<Document>", "d.scl": 'FUNCTION_BLOCK "F"\nVAR\na : Int;\nBEGIN\nEND_FUNCTION_BLOCK\n'}
+    old = write(tmp_path / "old", {"b.db": text.format(1), **broken})
+    new = write(tmp_path / "new", {"b.db": text.format(2), **broken})
+    lock = tmp_path / "x.lock.yaml"
+    assert not plcgen.diff(old, new).readable
+    assert not plcgen.lock(old, out=lock).ok
+    written = plcgen.lock(old, out=lock, keep_going=True)
+    assert (written.ok, written.blocks) == (True, 1)
+    for result in (plcgen.diff(old, new, keep_going=True), plcgen.check_lock(new, lock=lock, keep_going=True)):
+        assert result.readable
+        assert [change.kind for change in result.changes] == ["start-value"]
+        left_out = {Path(d.span.file).name for d in result.diagnostics if d.message.startswith("left out: ")}
+        assert left_out == {"c.xml", "d.scl"}
+
+
+def test_blocks_with_graphical_networks_are_one_line(tmp_path):
+    """Hundreds of blocks in LAD are one note, with how many they are."""
+    for side in ("old", "new"):
+        for number in range(3):
+            block = function_block(sections(Input=""), '<FlgNet xmlns="urn:net" />').replace(
+                "<Name>", f"<Name>B{number}"
+            )
+            write(tmp_path / side, {f"b{number}.xml": document(block).decode("utf-8-sig")})
+    result = plcgen.diff(tmp_path / "old", tmp_path / "new")
+    notes = [d.message for d in result.diagnostics if d.code == "PG814"]
+    assert len(notes) == 2  # one for each side
+    assert all(note.startswith("networks of 3 blocks, in LAD or FBD, are not read") for note in notes)
