@@ -29,7 +29,9 @@ def parameter_address(
     """Read one parameter reference; ``count`` values are written to it, None means it is read."""
     reference = parse_reference(text)
     if reference is None:
-        raise argument.problem("PG703", f'"{text}" is not a parameter', "write P50303, P2155[1..2] or 50303")
+        raise argument.problem(
+            "PG703", f'"{text}" is not a parameter', "write a number, such as P1120, P2155[1..2] or 1120"
+        )
     pnu = _number(argument, reference, device)
     if not 1 <= pnu <= 65535:
         raise argument.problem("PG703", f"parameter number {pnu} is outside 1..65535")

@@ -211,9 +211,11 @@ def _specs(specs: list[Path], *, strict: bool) -> list[Subject]:
     if not specs:
         return []
     from plcgen import api
+    from plcgen.project.together import same_plc
 
+    together = same_plc(specs)
     results = (api.check(spec, strict=strict) for spec in specs)
-    return [(result.spec.as_posix(), result.diagnostics) for result in results]
+    return [(result.spec.as_posix(), (*result.diagnostics, *together.get(result.spec, ()))) for result in results]
 
 
 def _files(sources: list[Path], target: str | None, encoding: str | None, out: Console) -> tuple[list[Subject], int]:

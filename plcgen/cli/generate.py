@@ -52,16 +52,22 @@ def command(
     """
     from plcgen import api
     from plcgen.cli.specs import find_specs, one_folder
+    from plcgen.project.together import same_plc
 
     out = console()
     specs = find_specs(paths, out)
     one_folder(specs, folder)
+    together = same_plc(specs)
     results = []
     for spec in specs:
         target = folder or default_folder(spec)
+        looking = check_only or diff
         with out.progress() as progress:
-            looking = check_only or diff
-            result = api.generate(spec, target, check_only=looking, force=force, stats=stats, progress=progress)
+            result = (
+                api.GenerateResult(spec, target, (), (), (), "", together[spec])
+                if spec in together
+                else api.generate(spec, target, check_only=looking, force=force, stats=stats, progress=progress)
+            )
         if diff and not check_only:
             found = tuple(d for d in result.diagnostics if d.code != STALE)
             result = dataclasses.replace(result, diagnostics=found)

@@ -75,6 +75,8 @@ def _hint(name: str) -> str:
     """Return what a word that is no verb was probably meant as, besides a misspelt verb."""
     if name in {"help", "version"}:
         return f": it is an option, plcgen --{name}"
+    if name in {"device", "devices"}:
+        return ": plcgen schema --devices lists the devices"
     if name.lower().endswith((".yaml", ".yml")) or Path(name).is_file():
         return f": a verb comes first, for example plcgen check {name}"
     return ""

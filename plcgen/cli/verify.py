@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -69,10 +70,12 @@ def command(
     """
     from plcgen import api
     from plcgen.cli.specs import find_specs, one_folder
+    from plcgen.project.together import same_plc
 
     out = console()
     specs = find_specs(paths, out)
     one_folder(specs, folder)
+    together = same_plc(specs)
     kept = None if no_cache else _cache(cache)
     found = []
     for spec in specs:
@@ -82,7 +85,7 @@ def command(
                 spec, target, drive=drive, faults=faults, oracle=oracle, strict=strict,
                 progress=progress, scheduler=scheduler, cache=kept,
             )  # fmt: skip
-        found.append(result)
+        found.append(replace(result, diagnostics=(*result.diagnostics, *together.get(spec, ()))))
     if len(found) == 1:
         return out.verification(format_, found[0], output, ledger=ledger)
     return out.verifications(format_, found, output, ledger=ledger)

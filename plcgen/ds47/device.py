@@ -167,6 +167,12 @@ class Device:
     like: str = field(default="", compare=False)
     object_types: ObjectTypes | None = None
 
+    def example(self) -> str:
+        """A parameter that the catalogue of this device has; P1120 if it has none."""
+        number = 1120 if 1120 in self.parameters else next(iter(self.parameters), 1120)
+        known = self.parameters.get(number)
+        return f"{'r' if known is not None and known.access == 'r' else 'P'}{number}"
+
     def object_type(self, number: int) -> str:
         """Type of a drive object of which only the number is known; empty if the device has no types."""
         types = self.object_types

@@ -63,7 +63,7 @@ def spelling_hint(text: str) -> str:
         return f"write {one[1]}[{one[2] or one[3] or one[5]}]{bit}"
     if _LIST.match(text):
         return f"write [{text}]"
-    return "write P50303, P2155[1..2] or a name"
+    return "write a number, such as P1120 or P2155[1..2], or a name"
 
 
 def number_of(text: str) -> int | None:

@@ -113,7 +113,9 @@ class PpiMaster(StrictModel):
     address: int | None = Field(None, ge=0, le=32767, description="logical address of the CP 341 (S7-300/400)")
     own_address: int = Field(0, ge=0, le=126, description="PPI address of this master; 0 is that of a PC")
     baud: Annotated[int, WithJsonSchema({"enum": [9600, 19200]})] = Field(9600, description="9600 or 19200")
-    stations: dict[Name, PpiStation] = Field(min_length=1, description="stations on the line by key")
+    stations: dict[Name, PpiStation] = Field(
+        min_length=1, description="stations on the line by key, such as {press: {address: 2}}"
+    )
     jobs: dict[Name, MasterJob] = Field(min_length=1, description="jobs by key")
     block: BlockName = Field(BlockName(), description="the master's function block")
     instance: BlockName = Field(BlockName(), description="the function block's instance DB")

@@ -65,3 +65,11 @@ def test_what_is_written_can_be_read_again(plcgen, source, start, said):
     assert f"error[PG633]: a lock cannot keep {said}" in result.err
     assert "b.db:1:1" in result.err
     assert not Path("plcgen.lock.yaml").exists()
+
+
+def test_a_repository_without_a_lock(plcgen):
+    """As the hook calls it: how to make one, not where the file might be."""
+    result = plcgen("lock", "--check", "--out", "plcgen.lock.yaml", "--fail-on", "any")
+    assert result.code == 1
+    assert "there is no layout lock yet" in result.err
+    assert "plcgen lock FOLDER --out plcgen.lock.yaml" in " ".join(result.err.split())

@@ -9,6 +9,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from plcgen.cli.specs import specs_below
+from tests.projects import ROOT
 
 
 @pytest.fixture
@@ -17,7 +18,7 @@ def machines(tmp_path, good):
     folder = tmp_path / "machines"
     (folder / "hall2" / ".hidden").mkdir(parents=True)
     shutil.copy(tmp_path / good, folder / "press.yaml")
-    text = (tmp_path / good).read_text("utf-8")
+    text = (tmp_path / good).read_text("utf-8").replace("Demo", "Saw")
     (folder / "hall2" / "saw.yml").write_text(f"\ufeff{text}", "utf-8")
     (folder / "drive.yaml").write_text("parameters: {P50303: 10.0}\n", "utf-8")
     (folder / "hall2" / ".hidden" / "no.yaml").write_text(text, "utf-8")
@@ -256,3 +257,81 @@ def test_what_was_not_written_is_named(plcgen, machines):
     assert result.code == 1
     assert result.err.endswith("machines/press_generated: 1 error; nothing was written\n")
     assert [path.name for path in machines.rglob("*_generated")] == ["saw_generated"]
+
+
+_PRESS = (
+    "plc: {{name: {name}, family: s7-1500, toolchain: tia-v19}}\n"
+    "drives: {{{drive}: {{device: sinamics-g120, hardware_id: {id}}}}}\n"
+    "jobs: {{{job}: {{drive: {drive}, write: {{P1120: }}}}}}\n"
+)
+
+
+def _two(folder, **other):
+    press = {"name": "PLC_1", "drive": "fan", "id": 270, "job": "ramps"}
+    (folder / "press.yaml").write_text(_PRESS.format(**press), "utf-8")
+    (folder / "pump.yaml").write_text(_PRESS.format(**press | {"drive": "pump", "id": 271} | other), "utf-8")
+
+
+@pytest.mark.parametrize("verb", [["check"], ["generate"], ["generate", "--check"]])
+def test_two_specs_for_one_plc(plcgen, tmp_path, verb):
+    """Their blocks would replace each other: both places are told, and of the second one nothing is written."""
+    _two(tmp_path)
+    result = plcgen(*verb, ".", "--format", "json")
+    assert result.code == 1
+    (found,) = (d for d in json.loads(result.out)["diagnostics"] if d["code"] == "PG511")
+    assert (found["file"], found["line"], found["severity"]) == ("pump.yaml", 3, "error")
+    assert 'press.yaml is for the same PLC "PLC_1" and has the names of' in found["message"]
+    assert '"Ramps"' in found["message"]
+    assert (found["notes"][0]["file"], found["notes"][0]["line"]) == ("press.yaml", 3)
+    assert not (tmp_path / "pump_generated").exists()
+
+
+def test_two_specs_that_share_what_every_spec_has(plcgen, tmp_path):
+    """Jobs and drives of other names do not help: the second DriveJobs has the jobs of the second spec only."""
+    _two(tmp_path, job="speeds")
+    result = plcgen("check", ".")
+    assert result.code == 1
+    assert "PG511" in result.out
+    assert '"DriveChannel"' in result.out
+
+
+@pytest.mark.parametrize("other", [{"name": "PLC_2"}, {"name": "PLC_1, cpu: 1511-1"}])
+def test_specs_for_two_plcs(plcgen, tmp_path, other):
+    """Only the name and family tell PLCs apart, not what else is written of them."""
+    _two(tmp_path, **other)
+    result = plcgen("check", ".")
+    assert ("PG511" in result.out) == ("cpu" in other["name"])
+
+
+def test_numbers_of_two_protocols(plcgen, tmp_path):
+    """Drives in one spec and a PPI master in another have other names; automatic numbers begin at 470 in both."""
+    _two(tmp_path)
+    (tmp_path / "pump.yaml").write_text(
+        (ROOT / "specs" / "s7-1200_s7-200_ppi.yaml").read_text("utf-8").replace("Pump station", "PLC_1")
+        .replace("s7-1200", "s7-1500"), "utf-8")  # fmt: skip
+    result = plcgen("check", ".")
+    assert "has the numbers of" in result.out
+    assert "DB471" in result.out
+    text = (tmp_path / "press.yaml").read_text("utf-8")
+    (tmp_path / "press.yaml").write_text(text.replace("tia-v19}", "tia-v19, numbers: {fb: 600, db: 600}}"), "utf-8")
+    assert "PG511" not in plcgen("check", ".").out
+
+
+def test_two_specs_as_one(plcgen, tmp_path):
+    """What the message says helps: a spec with its own plc that includes both; they are not checked alone then."""
+    _two(tmp_path, job="speeds")
+    line = "include: [press.yaml, pump.yaml]\nplc: {name: PLC_1, family: s7-1500, toolchain: tia-v19}\n"
+    (tmp_path / "line.plcgen.yaml").write_text(line, "utf-8")
+    result = plcgen("check", ".")
+    assert (result.code, result.err.splitlines()[0]) == (0, "1 spec: line.plcgen.yaml")
+
+
+@pytest.mark.slow
+def test_verify_of_two_specs_for_one_plc(plcgen, tmp_path):
+    """It fails, too."""
+    _two(tmp_path)
+    for spec in ("press.yaml", "pump.yaml"):
+        assert plcgen("generate", spec).code == 0
+    result = plcgen("verify", ".", "--faults", "none")
+    assert result.code == 1
+    assert "PG511" in result.out + result.err

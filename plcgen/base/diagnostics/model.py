@@ -48,13 +48,29 @@ class Note:
 
 MAX_MESSAGE = 300
 """Longest message in characters; longer ones quote something that nobody reads to its end."""
+MAX_HELP = 1_500
+"""Longest help in characters: it may list all keys of a place."""
 
 
 def _readable(text: str) -> str:
     """Escape what a terminal would not print (or obey), and cut what is too long in the middle."""
-    if not text.isprintable():
-        text = "".join(char if char.isprintable() else f"\\u{ord(char):04X}" for char in text)
+    text = _printable(text)
     return text if len(text) <= MAX_MESSAGE else f"{text[: MAX_MESSAGE - 83]}...{text[-80:]}"
+
+
+def _printable(text: str) -> str:
+    if text.isprintable():
+        return text
+    return "".join(char if char.isprintable() else f"\\u{ord(char):04X}" for char in text)
+
+
+def _readable_help(text: str) -> str:
+    """The same for help, which ends behind a whole entry of its list."""
+    text = _printable(text)
+    if len(text) <= MAX_HELP:
+        return text
+    kept = text[: MAX_HELP - 4]
+    return f"{kept[: kept.rfind(', ')] if ', ' in kept[MAX_HELP // 2 :] else kept}, .."
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +89,7 @@ class Diagnostic:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "message", _readable(self.message))
-        object.__setattr__(self, "help", _readable(self.help))
+        object.__setattr__(self, "help", _readable_help(self.help))
 
     @property
     def sort_key(self) -> tuple[str, int, int, str, str]:

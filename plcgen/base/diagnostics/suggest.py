@@ -72,11 +72,30 @@ def near(word: str, candidates: Iterable[str]) -> list[str]:
     known = candidates if isinstance(candidates, Vocabulary) else Vocabulary(candidates)
     wanted = word.lower()
     pool = known.like(wanted)
-    hits = get_close_matches(wanted, pool, n=1, cutoff=0.6)
+    hits = [
+        hit
+        for hit in get_close_matches(wanted, pool, n=3, cutoff=0.6)
+        if one_letter_wrong(wanted, hit) or _few_changes(wanted, hit)
+    ][:1]
     if not hits and len(word) >= _LEAST:
         parts = [one for one in pool if wanted in one.replace("_", "-").split("-")]
         hits = parts if len(parts) == 1 else []
     return [known.by_lower[hit] for hit in hits]
+
+
+def _few_changes(word: str, meant: str) -> bool:
+    """Whether a third of the letters at most is wrong: ``every`` shares most of its letters with ``verify``.
+
+    One that only lacks an end is near, too: ``ack`` is no misspelling.
+    """
+    if meant.startswith(word) or word.startswith(meant):
+        return True
+    row = list(range(len(meant) + 1))
+    for at, letter in enumerate(word, 1):
+        last, row[0] = row[0], at
+        for place, other in enumerate(meant, 1):
+            last, row[place] = row[place], min(row[place] + 1, row[place - 1] + 1, last + (letter != other))
+    return 3 * row[-1] <= max(len(word), len(meant)) + 1
 
 
 def did_you_mean(word: str, candidates: Iterable[str]) -> str:

@@ -110,7 +110,7 @@ def validate(
     except ValidationError as problems:
         known = {(found.span.line, found.span.column) for found in report}
         keys = document.keys or (lambda path: keys_at(model, path))
-        told = _Teller(root, document.what, keys).diagnostics(problems.errors(include_url=False))
+        told = _Teller(root, document.what, keys, model).diagnostics(problems.errors(include_url=False))
         report.extend(found for found in told if (found.span.line, found.span.column) not in known)
         return None
 
@@ -201,11 +201,23 @@ Octets = Annotated[bytes, BeforeValidator(_octets)]
 
 def keys_at(model: type[BaseModel], path: Iterable[str | int]) -> list[str]:
     """Keys that a file may have at a path, in the order of the model; none if a value stands there."""
+    models = [part for part in _at(model, path) if _is_model(part)]
+    return list(dict.fromkeys(info.alias or name for part in models for name, info in part.model_fields.items()))
+
+
+def description_at(model: type[BaseModel], path: Path) -> str:
+    """What the field at a path is for, in the words of the model; empty if a key that the user chose stands there."""
+    fields = (part.model_fields for part in _at(model, path[:-1]) if _is_model(part))
+    infos = (info for each in fields for name, info in each.items() if path[-1] in {info.alias, name})
+    return next((info.description for info in infos if info.description), "")
+
+
+def _at(model: type[BaseModel], path: Iterable[str | int]) -> Iterator[Any]:
+    """The types that may stand at a path."""
     found: list[Any] = [model]
     for step in path:
         found = [below for kind in found for part in _parts(kind) for below in _below(part, step)]
-    models = [part for kind in found for part in _parts(kind) if _is_model(part)]
-    return list(dict.fromkeys(info.alias or name for part in models for name, info in part.model_fields.items()))
+    return (part for kind in found for part in _parts(kind))
 
 
 def _is_model(part: Any) -> bool:
@@ -255,16 +267,21 @@ class _Teller:
     root: YamlNode
     what: str
     keys: Callable[[Path], list[str]]
+    model: type[BaseModel]
 
     def diagnostics(self, errors: Iterable[Any]) -> list[Diagnostic]:
         """One diagnostic per value: the alternatives of a union are one problem, not several."""
         by_value: dict[tuple[int, str], list[Any]] = {}
         errors = list(errors)
         above = {error["loc"][:depth] for error in errors for depth in range(len(error["loc"]))}
+        unknown = [error["loc"] for error in errors if error["type"] == "extra_forbidden"]
+        capitals = {(*loc[:-1], str(loc[-1]).lower()) for loc in unknown} - set(unknown)
         inside = {error["loc"][:depth] for error in errors for depth in range(len(error["loc"]) - 1)}
         for error in errors:
             if error["type"] == "too_short" and error["loc"] in above:
                 continue  # pydantic does not count elements that are wrong
+            if error["type"] == "missing" and error["loc"] in capitals:
+                continue  # it is there, in capitals
             if error["type"] in _EXPECTED and error["loc"][:-1] in inside and self.is_alternative(error["loc"]):
                 continue  # another alternative is of the right kind, and something is wrong in there
             named = error["type"] in {"extra_forbidden", "missing", _CUSTOM}
@@ -292,13 +309,14 @@ class _Teller:
         given = f" instead of {_shown(node)}"
         if len(group) > 1 and all(e["type"] in _EXPECTED for e in group):
             wanted = " or ".join(dict.fromkeys(_EXPECTED[e["type"]] for e in group))
-            return Diagnostic("PG106", f"expected {wanted}{given}", node.span)
+            return Diagnostic("PG106", f"expected {wanted}{given}", node.span, help=self.meaning(path))
         if error["type"] in _EXPECTED:
             number = isinstance(node.value, str) and not node.plain and isinstance(resolve_plain(node.raw), int | float)
             help_ = "remove the quotes" if number else ""
             if error["type"] in {"tuple_type", "list_type"}:
                 written = node.raw if node.plain else f'"{node.raw}"'
                 help_ = f"write [{written}]" if node.raw else "put it in [ ], or each on a line of its own: - one"
+            help_ = help_ or self.meaning(path)
             return Diagnostic("PG106", f"expected {_EXPECTED[error['type']]}{given}", node.span, help=help_)
         if error["type"] in {"literal_error", "enum"}:
             options = [option.strip(" '") for option in error["ctx"]["expected"].replace(" or ", ",").split(",")]
@@ -318,21 +336,35 @@ class _Teller:
 
     def key(self, path: Path) -> str:
         """Key that a value belongs to; pydantic names the alternatives of a union in the path, too."""
-        while path and (isinstance(path[-1], int) or not self.names_key(path)):
-            path = path[:-1]
+        path = self.written(path)
         return str(path[-1]) if path else "value"
 
-    def names_key(self, path: Path) -> bool:
-        above, last = path[:-1], path[-1]
-        return last in self.root.find(above).pairs or last in self.keys(above)
+    def written(self, path: Path) -> Path:
+        """The part of a path that ends with a key of the file: short forms leave keys out."""
+        while path and (isinstance(path[-1], int) or str(path[-1]) not in self.root.find(path[:-1]).pairs):
+            path = path[:-1]
+        return path
+
+    def meaning(self, path: Path) -> str:
+        """What the key means whose value is wrong, and the keys that may stand below it."""
+        path = self.written(path)
+        described = description_at(self.model, path)
+        keys = ", ".join(self.keys(path))
+        return "; ".join([f"{path[-1]}: {described}"] * bool(described) + [f"keys here: {keys}"] * bool(keys))
 
     def unknown_key(self, path: Path) -> Diagnostic:
         name = str(path[-1])
         allowed = self.keys(path[:-1])
-        hint = did_you_mean(name, allowed) or "remove the key;"
+        hint = self.lower(name, allowed) or did_you_mean(name, allowed) or "remove the key;"
         help_ = f"{hint} keys here: {', '.join(allowed)}" if allowed else hint.rstrip(";")
         place = self.root.find(path[:-1]).key_span(name)
         return Diagnostic("PG104", f'unknown key "{name}" in {self.where(path)}', place, help=help_)
+
+    def lower(self, name: str, allowed: Iterable[str]) -> str:
+        """What to write if only the letter case is wrong."""
+        return (
+            f"write {name.lower()}: keys are in lower case;" if name.lower() in allowed and name.lower() != name else ""
+        )
 
     def custom(self, path: Path, words: Mapping[str, Any]) -> Diagnostic:
         of_key = path[-1:] == ("[key]",)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import re
+
 from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.base.line.model import CANNOT_OPEN, Line, LineError
 from plcgen.base.line.tcp import SCHEME
@@ -16,6 +19,8 @@ _OTHERS = {"tcp://": SCHEME, "raw://": SCHEME, "telnet://": RFC2217} | dict.from
     ("serial://", "com://", "tty://", "file://"), ""
 )
 """What people write, and what they mean: a scheme, or none for a port."""
+_ENDPOINT = re.compile(r"[^/\s]*:\d+")
+"""A host with a port and no scheme, as people call a serial server."""
 
 
 def open_line(name: str, rate: int = 9600) -> Line:
@@ -30,6 +35,10 @@ def open_line(name: str, rate: int = 9600) -> Line:
         return TcpLine.connect(SCHEME + name[len(SCHEME) :])
     if scheme not in {"", RFC2217}:
         raise LineError(CANNOT_OPEN, name, f'unknown kind of line "{scheme}"', _hint(name, scheme))
+    if not scheme and _ENDPOINT.fullmatch(name) and not os.path.lexists(name):
+        raise LineError(
+            CANNOT_OPEN, name, "a port has no colon and no number behind it", f'did you mean "{SCHEME}{name}"?'
+        )
     from plcgen.base.line.serial import SerialLine
 
     return SerialLine(name, rate)

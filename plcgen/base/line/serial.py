@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import os
-import re
 import select
 from typing import Any
 
@@ -122,8 +121,7 @@ def _refused(port: str, problem: Exception) -> LineError:
         )
     number = getattr(problem, "errno", None)
     if number in {errno.ENOENT, errno.ENXIO, errno.ENODEV}:
-        network = f'did you mean "socket://{port}"?' if re.fullmatch(r"[^/\s]+:\d+", port) else ""
-        return LineError(CANNOT_OPEN, port, "there is no such port", network or _known())
+        return LineError(CANNOT_OPEN, port, "there is no such port", _known())
     if number in {errno.EBUSY, errno.EAGAIN}:
         return LineError(BUSY, port, "the port is in use by another program", "close that program first")
     if number in {errno.EACCES, errno.EPERM}:

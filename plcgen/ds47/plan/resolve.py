@@ -150,7 +150,7 @@ def _own_parameters(
                     "PG203",
                     f'"{text}" is not a parameter number',
                     loaded.key_span(path),
-                    help="write its number, for example P50303",
+                    help=f"write its number, for example {device.example()}",
                 )
             )
             continue

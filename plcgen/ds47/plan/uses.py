@@ -126,7 +126,9 @@ class UseResolver:
         if reference.pnu is None:
             found = self._by_name.get(reference.name)
             if found is None:
-                hint = did_you_mean(reference.name, self._words) or "use its number, for example P50303"
+                hint = (
+                    did_you_mean(reference.name, self._words) or f"use its number, for example {self.device.example()}"
+                )
                 self.problem("PG203", f'{self.device.title} has no parameter called "{reference.name}"', place, hint)
             return found
         if not 1 <= reference.pnu <= 0xFFFF:

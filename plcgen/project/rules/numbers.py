@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def used_twice(project: Project) -> Iterator[Diagnostic]:
     """PG401: two blocks of one kind have the same number."""
     first: dict[tuple[str, int], BlockRef] = {}
-    for block in _numbered(project):
+    for block in numbered(project):
         earlier = first.setdefault((block.kind, block.number), block)
         if earlier is block:
             continue
@@ -34,7 +34,7 @@ def used_twice(project: Project) -> Iterator[Diagnostic]:
 def numbers_out_of_range(project: Project) -> Iterator[Diagnostic]:
     """PG402: a block number the CPU does not have."""
     reported: set[str] = set()
-    for block in _numbered(project):
+    for block in numbered(project):
         highest = project.target.max_numbers[block.kind]
         if block.number <= highest:
             continue
@@ -79,6 +79,6 @@ def too_many(project: Project) -> Iterator[Diagnostic]:
             return
 
 
-def _numbered(project: Project) -> Iterator[BlockRef]:
+def numbered(project: Project) -> Iterator[BlockRef]:
     """Blocks whose number matters: types have one in STEP 7 V5 only."""
     return (block for block in project.blocks if block.kind != "UDT" or project.target.v5)

@@ -81,6 +81,10 @@ def check_lock(
     keep_going: bool = False,
 ) -> Comparison:
     """Compare the lock with sources or a spec; without paths, with those that the lock names."""
+    if not os.path.lexists(path):
+        help_ = f"make it and commit it: plcgen lock FOLDER --out {path.as_posix()}; until then leave the check out"
+        missing = Diagnostic("PG110", "there is no layout lock yet", Span(path.as_posix()), help=help_)
+        return Comparison(path.as_posix(), "", (), (missing,))
     try:
         levels = load_policy(policy)
         lock = read_lock(path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+import sys
 import threading
 from collections.abc import Iterator
 from typing import Any
@@ -85,3 +86,12 @@ def test_rfc_2217(rfc2217: tuple[str, Any]) -> None:
     with Client.open(name, rate=19200) as plc:
         assert plc.read("VW100")[0].value == 1234
     assert (port.baudrate, port.parity) == (19200, "E")
+
+
+@pytest.mark.parametrize("name", ["10.0.0.5:4000", "plc-gateway:4001", "[::1]:4000", ":4000"])
+def test_a_serial_server_without_its_scheme_or_pyserial(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It needs no pyserial: what helps is the scheme, not the package."""
+    monkeypatch.setitem(sys.modules, "serial", None)
+    with pytest.raises(LineError) as caught:
+        open_line(name)
+    assert caught.value.diagnostics[0].help == f'did you mean "socket://{name}"?'
