@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import pickle
+import typing
 from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+import plcgen
 from plcgen.base.diagnostics import DiagnosticError
 from plcgen.ds47.proof.engine import engine_check, proven, prover_hash
 from plcgen.ds47.proof.words import TRANSITIONS
+from plcgen.project.schema import Toolchain
 from plcgen.proof.checks import Outcome
 from plcgen.proof.scenario import ScenarioError
 from plcgen.s7.cpu.linkage import Probe
@@ -66,6 +69,24 @@ def changed(engine: DriveEngine, old: str, new: str) -> DriveEngine:
 def test_the_file_knows_exactly_the_engines_there_are(engines: dict[tuple[str, str], DriveEngine]) -> None:
     """Whoever changes a template of the engine runs ``make engine``: everything is proven again and recorded."""
     assert {engine.hash for engine in engines.values()} == set(proven())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", ["s7-300", "s7-400", "s7-1200", "s7-1500"])
+def test_every_tool_has_a_proven_engine(family: str, tmp_path: Path) -> None:
+    """Whatever version a spec names: an engine that is not on record is an error of verify."""
+    modern = family in {"s7-1200", "s7-1500"}
+    for toolchain in typing.get_args(Toolchain):
+        if modern and toolchain == "step7-v5":
+            continue
+        spec, out = tmp_path / f"{toolchain}.yaml", tmp_path / toolchain
+        spec.write_text(
+            f"plc: {{name: P, family: {family}, toolchain: {toolchain}}}\n"
+            f"drives: {{one: {{device: sinamics-g120, {'hardware_id' if modern else 'address'}: 270}}}}\n"
+            "jobs: {get: {drive: one, read: [P1121]}}\n"
+        )
+        assert plcgen.generate(spec, out).ok
+        assert DriveEngine.of(generated_sources(out), dialect_of(out)).hash in proven(), toolchain
 
 
 @pytest.mark.slow

@@ -32,7 +32,8 @@ NAMES: Mapping[str, str] = {
 SHORT = 12
 """Hexadecimal digits of a hash that a report shows."""
 _DECLARED = re.compile(r'^\s*(?:FUNCTION_BLOCK|TYPE)\s+"?([^"\s:]+)"?', re.MULTILINE | re.IGNORECASE)
-_TITLE = re.compile(r"^\s*TITLE\s*=.*$", re.MULTILINE)
+_TITLE = re.compile(r"^\s*(?:TITLE\s*=.*|REGION\b.*|END_REGION\s*;?\s*)$", re.MULTILINE)
+"""Titles of blocks, and of regions, which the TIA Portal knows from V14 on: before, they are comments."""
 _LIBRARY_VERSION = re.compile(r"(LibVersion\s*:=\s*)'[0-9.]*'")
 
 
@@ -103,7 +104,7 @@ class DriveEngine:
 
     @cached_property
     def hash(self) -> str:
-        """SHA-256 over target and tokens. Comments, titles, versions of library blocks, names and case do not count."""
+        """SHA-256 over target and tokens; comments, titles, regions, library versions, names and case do not count."""
         digest = hashlib.sha256(self.dialect.value.encode())
         for unit in self.units:
             digest.update(b"\n" + " ".join(unit).encode())
