@@ -37,7 +37,7 @@ def open_line(name: str, rate: int = 9600) -> Line:
         raise LineError(CANNOT_OPEN, name, f'unknown kind of line "{scheme}"', _hint(name, scheme))
     if not scheme and _ENDPOINT.fullmatch(name) and not os.path.lexists(name):
         raise LineError(
-            CANNOT_OPEN, name, "a port has no colon and no number behind it", f'did you mean "{SCHEME}{name}"?'
+            CANNOT_OPEN, name, "a port has no colon and no number after it", f'did you mean "{SCHEME}{name}"?'
         )
     from plcgen.base.line.serial import SerialLine
 
