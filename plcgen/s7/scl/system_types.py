@@ -1,5 +1,10 @@
 """System data types, instructions with their own memory, and technology objects of the S7 families."""
 
+import re
+
+from plcgen.s7.types.data_types import elementary
+
+_TECHNOLOGY_OBJECT = re.compile(r"TO_\w+")
 SYSTEM_TYPES = frozenset(
     """VARIANT VOID REMOTE IEC_TIMER IEC_LTIMER IEC_COUNTER IEC_SCOUNTER IEC_DCOUNTER IEC_UCOUNTER IEC_USCOUNTER
     IEC_UDCOUNTER IEC_LCOUNTER IEC_ULCOUNTER TON TOF TP TONR TON_TIME TOF_TIME TP_TIME TONR_TIME TON_LTIME
@@ -33,3 +38,9 @@ SYSTEM_TYPES = frozenset(
     for size in ("S", "", "D", "L")
 }
 """Types by name that need no declaration and that are no elementary type of the block model."""
+
+
+def is_type_name(name: str) -> bool:
+    """Whether a name without quotes is a type that code can compare with: ``TypeOf(#v) = Int``, ``TO_SpeedAxis``."""
+    upper = name.upper()
+    return elementary(name) is not None or upper in {"STRING", "WSTRING"} or bool(_TECHNOLOGY_OBJECT.fullmatch(upper))

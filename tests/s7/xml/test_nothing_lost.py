@@ -298,6 +298,28 @@ def test_a_type_as_an_operand_is_no_tag(tmp_path: Path) -> None:
     assert to_xml(tmp_path, text, "F.xml") == ("", ['FC "F" compares with the type Bool'])
 
 
+TYPE_VALUES = ["Bool", "STRING", "LReal", "TO_SpeedAxis", "TO_POSITIONINGAXIS", "HW_IO", "DTL", '"Recipe"']
+TYPE_PLACES = {
+    "IF TypeOf(#v) = {} THEN\n  ;\nEND_IF;": "TypeOf", "CASE TypeOfDB(#d) OF\n  {}:\n    ;\nEND_CASE;": "TypeOfDB",
+    "IF TypeOfElements(#v) <> {} THEN\n  ;\nEND_IF;": "TypeOfElements",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("type_", TYPE_VALUES)
+@pytest.mark.parametrize("code", TYPE_PLACES)
+def test_no_type_is_a_tag(code: str, type_: str, tmp_path: Path) -> None:
+    """Every kind of type name, in every place where code can compare with one."""
+    text = (
+        'TYPE "Recipe"\nVERSION : 0.1\n  STRUCT\n    a : Int;\n  END_STRUCT;\nEND_TYPE\n'
+        'FUNCTION "F" : Void\nVERSION : 0.1\nVAR_INPUT\n  v : Variant;\n  d : DB_ANY;\nEND_VAR\n\nBEGIN\n'
+        f"{code.format(type_)}\nEND_FUNCTION\n"
+    )
+    found, messages = to_xml(tmp_path, text, "F.xml")
+    name = type_.strip('"')
+    assert messages == [f'FC "F" compares with the type {name}']
+    assert f'Name="{name}"' not in found
+
+
 def test_an_instance_in_a_software_unit_has_its_block(tmp_path: Path) -> None:
     """Its document names the block with the namespace of the unit before it."""
     unit = "<Namespace>Unit_2</Namespace><Number>1"

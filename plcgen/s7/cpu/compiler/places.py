@@ -17,17 +17,16 @@ from plcgen.s7.cpu.compiler.scope import scalar_name
 from plcgen.s7.cpu.compiler.values import UNKNOWN, MemoryPlace, Symbol, Val, unknown, whole_constant
 from plcgen.s7.cpu.linkage import ProgramBlock
 from plcgen.s7.cpu.system.interfaces import system_fbs
-from plcgen.s7.cpu.type_rules import BITS, INTEGERS, POINTERS, REALS, TEXTS, WIDTHS, canonical
+from plcgen.s7.cpu.type_rules import BITS, INTEGERS, POINTERS, REALS, WIDTHS, canonical
 from plcgen.s7.layout.shapes import Shape, bare_shape
 from plcgen.s7.scl import ast
+from plcgen.s7.scl.system_types import is_type_name
 from plcgen.s7.scl.unknown_names import keys_of
 from plcgen.s7.types.address import Address, AddressError, parse_address
 from plcgen.s7.types.blocks import BlockKind, SectionKind
 from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, Member, NamedType, StringType
 
 _TYPES = frozenset({BlockKind.UDT, BlockKind.FB})
-_TYPE = re.compile(rf"{'|'.join(TEXTS)}|TO_\w+")
-"""Types that a comparison names without quotes: ``TypeOf(#axis) = TO_SpeedAxis``."""
 _SHORT = re.compile(r"(%?DB\d+\.)D([XBWD])?(?=\d)", re.IGNORECASE)
 _INDEXED = re.compile(r"(?:DB|D)([XBWD])", re.IGNORECASE)
 _PLAIN_INDEXED = re.compile(r"(P?[IEQAM])([XBWD]?)", re.IGNORECASE)
@@ -119,10 +118,7 @@ class Places:
             if block is not None and not (block.block.kind in _TYPES and not self.context.classic):
                 self.context.error("PG820", f"{node.name} is {block.block.kind.value}, not data", node)
                 return None
-            if not self.context.classic and (
-                block is not None
-                or (node.scope == "bare" and (canonical(upper) in ELEMENTARY or _TYPE.fullmatch(upper)))
-            ):
+            if not self.context.classic and (block is not None or (node.scope == "bare" and is_type_name(upper))):
                 self.context.error("PG827", f"the soft CPU does not compare with the type {node.name}", node)
                 return None
         self.undefined(node)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from plcgen.s7.scl.system_types import SYSTEM_TYPES
+from plcgen.s7.scl.system_types import SYSTEM_TYPES, is_type_name
 from plcgen.s7.types.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.types.data_types import DataType, NamedType, StructType, innermost
 from plcgen.s7.types.system import system_block
@@ -56,6 +56,13 @@ class BlockScope:
         """Whether the block declares the name."""
         upper = name.upper()
         return upper in self.types or upper in self.constants
+
+    def is_type(self, name: str, *, quoted: bool) -> bool:
+        """Whether a name that the block does not declare is a type, in quotes one of the user."""
+        if quoted:
+            block = self.blocks.get(name.upper())
+            return block is not None and block.kind in (BlockKind.UDT, BlockKind.FB)
+        return is_type_name(name)
 
     def block_of(self, path: tuple[str, ...]) -> tuple[str, bool] | None:
         """Name of the block that a local instance is made from, and whether it is a system block."""

@@ -145,7 +145,9 @@ class _Writer:
             quoted = text[1] == '"'
             self.operand("Local", text[2:-1] if quoted else text[1:], quoted=quoted)
         elif kind == QUOTED:
-            self.operand("Global", unquote(self.texts[self.pos]), quoted=self.marks_quotes)
+            name = unquote(self.texts[self.pos])
+            self.type_as_value(name, quoted=True)
+            self.operand("Global", name, quoted=self.marks_quotes)
         elif scope := _CONSTANTS.get(kind):
             self.out.append(constant(scope, self.texts[self.pos]))
             self.step()
@@ -229,10 +231,15 @@ class _Writer:
             self.out.append(constant("LiteralConstant", text))
             self.step()
         else:
-            if following != "." and (elementary(text) is not None or upper in {"STRING", "WSTRING"}):
-                end = self.starts[pos] + len(text)
-                self.unknown.setdefault(f"compares with the type {text}", (self.starts[pos], end))
+            self.type_as_value(text, quoted=False)
             self.operand("Global", text, quoted=False)
+
+    def type_as_value(self, name: str, *, quoted: bool) -> None:
+        """Note the name of a type where a value stands, as behind TypeOf(..): it is no tag."""
+        pos = self.pos
+        if self.kinds[pos + 1] not in {".", "(", "["} and self.scope.is_type(name, quoted=quoted):
+            end = self.starts[pos] + len(self.texts[pos])
+            self.unknown.setdefault(f"compares with the type {name}", (self.starts[pos], end))
 
     def absolute(self) -> None:
         """Write an absolute operand; what is none, such as an indexed one, stays a Token."""
