@@ -234,10 +234,10 @@ def _lost_in_text(block: Block, place: Span) -> Iterator[Diagnostic]:
         message = f'{block.kind} "{block.name}": the start value of {first} is not converted'
         message += f", nor those of {more} more members" if more else ""
         help_ = "values of single elements and inside of other types are written in data blocks only: add them by hand"
-        yield Diagnostic("PG815", message, place, Severity.WARNING, help=help_)
+        yield Diagnostic("PG815", message, place, Severity.ERROR, help=help_)
     elif is_array_db(block) and block.members[0].start is not None:
         message = f'{block.kind} "{block.name}": its start values are not converted'
-        yield Diagnostic("PG815", message, place, Severity.WARNING, help="add them by hand after the import")
+        yield Diagnostic("PG815", message, place, Severity.ERROR, help="add them by hand after the import")
     event = block.attributes.get("SecondaryType")
     if event:
         message = f'{block.kind} "{block.name}": that its event is {event} is not converted'
@@ -297,10 +297,10 @@ def _to_document(
         found.diagnostics.append(Diagnostic("PG815", message, place, Severity.NOTE, help=help_))
     for what in lost[:MAX_LOST]:
         message = f'{block.kind} "{block.name}": {what} is not converted'
-        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
+        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.ERROR))
     if len(lost) > MAX_LOST:
         message = f'{block.kind} "{block.name}": {len(lost) - MAX_LOST} more start values are not converted'
-        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
+        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.ERROR))
     return RenderedFile(file_name(block.name) + ".xml", text.encode("utf-8-sig", "replace"))
 
 

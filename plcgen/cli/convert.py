@@ -37,8 +37,9 @@ def command(*, paths: tuple[Path, ...], folder: Path, culture: str, format_: Out
 
     One file per block, named after it; comments and layout of the code are kept. Name the sources of all types
     and function blocks together: an instance DB needs its function block. There is no SCL for networks in LAD, FBD
-    or STL: their blocks are left out with a warning, as are those of a safety program. Either all files are written
-    or none; with --keep-going, those that can be are written, and the exit code is still 1 if there is an error.
+    or STL: their blocks are left out with a warning, as are those of a safety program. A start value that the other
+    format cannot hold is an error. Either all files are written or none; with --keep-going, those that can be are
+    written, and the exit code is still 1 if there is an error.
     """
     from plcgen import api
 

@@ -340,8 +340,9 @@ def test_start_values_that_a_source_of_a_function_block_cannot_state_are_told(tm
     files = put(tmp_path, a_scl=fb.replace("#speed := 1", ""), b_udt=udt)
     assert plcgen.convert(*files, to="xml", out=tmp_path / "xml").diagnostics == ()
     back = plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl")
+    assert (back.ok, back.written) == (False, ())
     assert [(d.code, d.severity.label, d.message) for d in back.diagnostics] == [
-        ("PG815", "warning", 'FB "Motor": the start value of speed.w is not converted, nor those of 2 more members')
+        ("PG815", "error", 'FB "Motor": the start value of speed.w is not converted, nor those of 2 more members')
     ]
 
 

@@ -44,7 +44,7 @@ def write(folder: Path, name: str, data: bytes | str) -> Path:
 
 def to_text(tmp_path: Path, data: bytes, name: str) -> tuple[str, list[str]]:
     """Source of one document and the messages."""
-    result = plcgen.convert(write(tmp_path, "in.xml", data), to="scl", out=tmp_path / "scl")
+    result = plcgen.convert(write(tmp_path, "in.xml", data), to="scl", out=tmp_path / "scl", keep_going=True)
     return (tmp_path / "scl" / name).read_text("utf-8-sig"), [d.message for d in result.diagnostics]
 
 
