@@ -19,6 +19,7 @@ from hypothesis import HealthCheck, settings
 from plcgen.__main__ import collect_rarely
 from plcgen.s7.cpu import program
 from plcgen.s7.cpu.compiler import block
+from tests.sarif_rules import refused
 
 settings.register_profile("plcgen", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("plcgen")
@@ -81,7 +82,7 @@ LARGEST = 200_000
 
 @pytest.fixture(autouse=True, scope="session")
 def _results_have_their_shape() -> Iterator[None]:
-    """Every JSON result of every test is what ``plcgen schema output`` says."""
+    """Every JSON result of every test is what ``plcgen schema output`` says, every SARIF result what GitHub takes."""
     from plcgen.report.registry import OutputFormat
 
     render, known = OutputFormat.render, []
@@ -97,6 +98,9 @@ def _results_have_their_shape() -> Iterator[None]:
                 known.append(Draft202012Validator(output_schema()))
             wrong = [f"{list(one.absolute_path)}: {one.message}" for one in known[0].iter_errors(json.loads(text))]
             assert not wrong, wrong[:5]
+        if self.name == "sarif" and len(text) <= LARGEST:
+            refusals = [*refused(json.loads(text))]
+            assert not refusals, refusals[:5]
         return text
 
     with pytest.MonkeyPatch.context() as patch:

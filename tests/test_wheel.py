@@ -52,3 +52,31 @@ def test_the_wheel_holds_what_it_needs_and_nothing_else(unpacked: Path) -> None:
     assert "plcgen/_specs/cpus/s7.yaml" in files
     assert any(name.endswith("LICENSE") for name in files)
     assert not any(name.startswith(("tests/", "examples/", "bench/")) for name in files)
+
+
+def test_the_metadata(unpacked: Path) -> None:
+    """No address that is nobody's; ``ppi`` is the old name of ``serial``."""
+    (metadata,) = unpacked.glob("*.dist-info/METADATA")
+    lines = metadata.read_text("utf-8").split("\n\n")[0].splitlines()
+    assert not [line for line in lines if line.startswith(("Project-URL", "Home-page"))]
+    needs: dict[str, set[str]] = {"serial": set(), "ppi": set()}
+    for line in lines:
+        if line.startswith("Requires-Dist") and (extra := line.rpartition("extra ==")[2].strip(" '\"")) in needs:
+            needs[extra].add(line.partition(";")[0])
+    assert needs["ppi"] == needs["serial"] != set()
+
+
+def test_the_sdist_holds_what_make_needs(tmp_path: Path) -> None:
+    """Every file of the source tree that Makefile, tests and their tools read is in it."""
+    command = [sys.executable, "-m", "build", "--sdist", "--no-isolation", "--outdir", str(tmp_path), str(ROOT)]
+    subprocess.run(command, check=True, capture_output=True)
+    (archive,) = tmp_path.glob("*.tar.gz")
+    import tarfile
+
+    with tarfile.open(archive) as packed:
+        held = {Path(*Path(name).parts[1:]).as_posix() for name in packed.getnames()}
+    assert {"Makefile", "requirements.lock", "pyproject.toml", ".ci/runtime.lock", "action.yml"} <= held
+    folders = ("plcgen", "templates", "specs", "tests", "docs", ".ci", ".github")
+    files = (path for each in folders for path in (ROOT / each).rglob("*") if path.is_file())
+    mine = {path.relative_to(ROOT).as_posix() for path in files if "__pycache__" not in path.parts}
+    assert not [name for name in sorted(mine - held) if not name.endswith(".pyc")]

@@ -1,7 +1,12 @@
-"""Results as SARIF 2.1.0 (OASIS standard): rules from the code table, places in characters."""
+"""Results as SARIF 2.1.0 (OASIS standard): rules from the code table, places in characters.
+
+What GitHub asks of a file for code scanning is there, too (docs.github.com, "SARIF support for code scanning"): every
+rule has its texts and help, every result a place with a whole region, every fingerprint is of one result.
+"""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -36,33 +41,36 @@ def uri(path: str) -> str:
 
 def location(span: Span, message: str = "") -> dict[str, Any]:
     """A SARIF location object; ``message`` says what the place has to do with the result."""
-    place: dict[str, Any] = {"artifactLocation": {"uri": uri(span.file)}}
-    if span.line:
-        region = {"startLine": span.line, "startColumn": max(span.column, 1)}
-        if span.end_line:
-            region |= {"endLine": span.end_line, "endColumn": max(span.end_column, 1)}
-        place["region"] = region
-    found: dict[str, Any] = {"physicalLocation": place}
+    line, column = max(span.line, 1), max(span.column, 1)
+    end = (span.end_line, max(span.end_column, 1)) if span.line and span.end_line else (line, column)
+    region = {"startLine": line, "startColumn": column, "endLine": end[0], "endColumn": end[1]}
+    found: dict[str, Any] = {"physicalLocation": {"artifactLocation": {"uri": uri(span.file)}, "region": region}}
     if message:
         found["message"] = {"text": message}
     return found
+
+
+def _texts(id_: str, title: str, why: str, fix: str = "") -> dict[str, Any]:
+    return {
+        "id": id_,
+        "shortDescription": {"text": title},
+        "fullDescription": {"text": why},
+        "help": {"text": f"{why}\n\n{fix}".strip()},
+    }
 
 
 def _rule(code: str) -> dict[str, Any]:
     try:
         info = code_info(code)
     except KeyError:
-        return {"id": code}
+        return _texts(code, code, "A check of plcgen.")
     return {
-        "id": code,
-        "shortDescription": {"text": info.title},
-        "fullDescription": {"text": info.why},
-        "help": {"text": f"{info.why}\n\n{info.fix}"},
+        **_texts(code, info.title, info.why, info.fix),
         "defaultConfiguration": {"level": _LEVEL[Severity[info.severity.label.upper()]]},
     }
 
 
-def _result(diagnostic: Diagnostic, index: dict[str, int]) -> dict[str, Any]:
+def _result(diagnostic: Diagnostic, index: dict[str, int], file: str) -> dict[str, Any]:
     text = f"{diagnostic.message}\nhelp: {diagnostic.help}" if diagnostic.help else diagnostic.message
     result: dict[str, Any] = {
         "ruleId": diagnostic.code,
@@ -70,28 +78,30 @@ def _result(diagnostic: Diagnostic, index: dict[str, int]) -> dict[str, Any]:
         "level": _LEVEL[diagnostic.severity],
         "message": {"text": text},
     }
-    if diagnostic.span.file:
-        result["locations"] = [location(diagnostic.span)]
+    result["locations"] = [location(diagnostic.span if diagnostic.span.file else Span(file))]
     if diagnostic.notes:
         notes = enumerate(diagnostic.notes, 1)
         result["relatedLocations"] = [{"id": n, **location(note.span, note.message)} for n, note in notes]
     return result
 
 
-def _check(check: Check, spec: str) -> dict[str, Any]:
+def _check(check: Check, spec: str, index: dict[str, int]) -> dict[str, Any]:
     return {
         "ruleId": check.id,
+        "ruleIndex": index[check.id],
         "level": check.outcome.value,
         "message": {"text": f"{check.subject}: {check.verdict}"},
         "locations": [location(Span(spec))],
     }
 
 
-def _problems(diagnostics: Sequence[Diagnostic], first: int = 0) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Rules and results of diagnostics, behind ``first`` rules of the run's own."""
+def _problems(
+    diagnostics: Sequence[Diagnostic], file: str, first: int = 0
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Rules and results of diagnostics, behind ``first`` rules of the run; ``file`` is for those without a place."""
     codes = sorted({d.code for d in diagnostics})
     index = {code: first + position for position, code in enumerate(codes)}
-    return [_rule(code) for code in codes], [_result(d, index) for d in diagnostics]
+    return [_rule(code) for code in codes], [_result(d, index, file) for d in diagnostics]
 
 
 def _log(rules: Sequence[dict[str, Any]], results: Sequence[dict[str, Any]], **properties: str) -> str:
@@ -106,7 +116,7 @@ def _log(rules: Sequence[dict[str, Any]], results: Sequence[dict[str, Any]], **p
 
 
 def _findings(found: Findings, _view: View) -> str:
-    return _log(*_problems(list(dict.fromkeys(found.diagnostics))))
+    return _log(*_problems(list(dict.fromkeys(found.diagnostics)), found.subjects[0][0] if found.subjects else "."))
 
 
 def _verification(verification: Verification, _view: View) -> str:
@@ -115,14 +125,17 @@ def _verification(verification: Verification, _view: View) -> str:
 
 def _verifications(found: Sequence[Verification], _view: View) -> str:
     """The diagnostics, and failed checks that have none."""
-    rules, results = _problems(list(dict.fromkeys(d for verification in found for d in verification.problems)))
+    rules, results = _problems(
+        list(dict.fromkeys(d for verification in found for d in verification.problems)), found[0].spec
+    )
     bare = [
-        _check(check, verification.spec)
+        (check, verification.spec)
         for verification in found
         for check in verification.checks()
         if check.diagnostic is None and check.outcome.value in {"error", "warning"}
     ]
-    return _log(rules, [*results, *bare])
+    index = {id_: number for number, id_ in enumerate(dict.fromkeys(check.id for check, _ in bare), len(rules))}
+    return _log([*rules, *map(_rule, index)], [*results, *(_check(check, spec, index) for check, spec in bare)])
 
 
 def _comparison(comparison: Comparison, view: View) -> str:
@@ -133,29 +146,33 @@ def _comparison(comparison: Comparison, view: View) -> str:
     index = {kind.id: number for number, kind in enumerate(used)}
     rules = [
         {
-            "id": kind.id,
-            "shortDescription": {"text": kind.title[0].upper() + kind.title[1:]},
-            "fullDescription": {"text": f"{kind.why[0].upper()}{kind.why[1:]}."},
+            **_texts(kind.id, kind.title[0].upper() + kind.title[1:], f"{kind.why[0].upper()}{kind.why[1:]}."),
             "defaultConfiguration": {"level": _CHANGE[kind.level.value]},
         }
         for kind in used
     ]
-    more, found = _problems(comparison.diagnostics, len(rules))
-    changes = [_change(change, index) for change in comparison.changes]
+    file = comparison.new or comparison.old
+    more, found = _problems(comparison.diagnostics, file, len(rules))
+    seen = Counter[str]()
+    changes = [_change(change, index, file, seen) for change in comparison.changes]
     return _log([*rules, *more], [*changes, *found], failOn=view.fail_on)
 
 
-def _change(change: Change, index: dict[str, int]) -> dict[str, Any]:
+def _change(change: Change, index: dict[str, int], file: str, seen: Counter[str]) -> dict[str, Any]:
+    """``seen`` counts the fingerprints: equal ones would be one alert."""
+    fingerprint = f"{change.kind}:{change.subject}:{change.path}"
+    seen[fingerprint] += 1
+    fingerprint += f":{seen[fingerprint]}" if seen[fingerprint] > 1 else ""
+    place = change.span or change.old_span or Span(file)
     result: dict[str, Any] = {
         "ruleId": change.kind,
         "ruleIndex": index[change.kind],
         "level": _CHANGE[change.level.value],
         "message": {"text": f"{change.subject}: {change.text}"},
-        "partialFingerprints": {"plcgenChange/v1": f"{change.kind}:{change.subject}:{change.path}"},
+        "partialFingerprints": {"plcgenChange/v1": fingerprint},
+        "locations": [location(place)],
     }
-    if change.span is not None:
-        result["locations"] = [location(change.span)]
-    if change.old_span is not None and change.old_span != change.span:
+    if change.old_span is not None and change.old_span != place:
         result["relatedLocations"] = [{"id": 1, **location(change.old_span, "before")}]
     return result
 
