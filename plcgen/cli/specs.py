@@ -131,7 +131,7 @@ def named(paths: Sequence[Path]) -> tuple[Path, ...]:
 def find_specs(paths: Sequence[Path], out: Console) -> list[Path]:
     """The named files, and of each folder the specs in it, each once; without any those of ``plcgen.toml``.
 
-    What of a folder was taken and what was left is said.
+    What of a folder was taken and what was left is reported.
 
     Raises:
         UsageError: if there is none, or none in a folder.
