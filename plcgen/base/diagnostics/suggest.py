@@ -86,9 +86,10 @@ def near(word: str, candidates: Iterable[str]) -> list[str]:
 def _few_changes(word: str, meant: str) -> bool:
     """Whether a third of the letters at most is wrong: ``every`` shares most of its letters with ``verify``.
 
-    One that only lacks an end is near, too: ``ack`` is no misspelling.
+    One that begins the same for half of its length is near, too: ``read_them`` and ``read_it``.
     """
-    if meant.startswith(word) or word.startswith(meant):
+    half = (max(len(word), len(meant)) + 1) // 2
+    if word[:half] == meant[:half] and half <= min(len(word), len(meant)):
         return True
     row = list(range(len(meant) + 1))
     for at, letter in enumerate(word, 1):
