@@ -48,7 +48,7 @@ def _elements(pnu: int, device: Device | None, *, write: bool) -> int:
     """Number of elements of a parameter without an index: the octets of a string, else what the device has."""
     if device is None:
         return 1
-    known = device.parameters.get(pnu)
+    known = device.find(pnu)
     split = parse_type(known.type) if known is not None and known.type else None
     return split[1] if split and split[1] and not write else device.scalar_elements[1 if write else 0]
 
@@ -72,7 +72,7 @@ def change(argument: Argument, device: Device | None) -> tuple[ParameterAddress,
     text, type_ = _split(rest)
     place = parameter_address(argument, name, device)
     if type_ is None:
-        known = device.parameters.get(place.pnu) if device is not None else None
+        known = device.find(place.pnu) if device is not None else None
         if known is None or not known.type:
             example = f"{argument.text}:{'Unsigned32' if parse_bico(text) else 'FloatingPoint'}"
             raise argument.problem("PG703", f'the data type of "{name}" is missing', example)

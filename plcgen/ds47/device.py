@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args
 
 from pydantic import AfterValidator, Field
 
+from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.base.files.printed import Name, Printed, Value
 from plcgen.base.files.validation import StrictModel, problem
-from plcgen.ds47 import effects
+from plcgen.ds47 import effects, lists
 from plcgen.ds47.objects import CONTROL_UNIT_TYPE, OTHER, kindred, single_types
 from plcgen.ds47.references import parse_reference
 
@@ -47,6 +48,9 @@ Fact: TypeAlias = Literal[
 ]
 DECIDING: tuple[Fact, ...] = ("array", "min", "max", "default", "values")
 """What decides something about jobs, and therefore counts only if it was read."""
+_PRODUCT = re.compile("[a-z]*[0-9]+[a-z]*")
+UNLISTED = range(980, 990)
+"""Numbers of the lists of numbers: no list prints them."""
 UNKNOWN = "unknown"
 """What stands for a type or a number of indexes that nobody knows."""
 
@@ -132,6 +136,72 @@ class ObjectTypes:
     whole: frozenset[str]
 
 
+def device_hint(name: str, known: Iterable[str]) -> str:
+    """``did you mean "sinamics-g120"?`` for a slip of the pen; a G220 is no G120, so letters and digits of a product
+    must be the same.
+    """
+    product = _PRODUCT.findall(name.lower())
+    return did_you_mean(
+        name, [one for one in known if _PRODUCT.findall(one) == product or one.startswith(name.lower())]
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceList:
+    """A list that a device has: the rows of some ``objects`` (of all without any) for a ``type`` of drive object.
+
+    ``whole``: a number that it lacks is not in such a drive object; else it is another device's, or not complete.
+    """
+
+    name: str
+    objects: frozenset[str]
+    type: str
+    grade: Grade
+    whole: bool
+
+    def rows(self, pnu: int) -> list[lists.Listed]:
+        """What it says of a number."""
+        found = lists.find(self.name, pnu)
+        return [one for one in found if not self.objects or one.objects & {*self.objects, lists.ALL}]
+
+
+def _candidates(known: Iterable[DeviceList], object_type: str) -> list[DeviceList]:
+    """The lists that speak of a type of drive object; those without a type speak of every one."""
+    types = single_types([object_type]) if object_type else frozenset()
+    return [one for one in known if not one.type or not object_type or single_types([one.type]) & types]
+
+
+def _listed(known: Iterable[DeviceList], pnu: int, object_type: str) -> Parameter | None:
+    """What lists say of a number. Where several speak of it, a fact counts if all say the same; it was read for this
+    drive if all of them were read for it, are whole and have the number.
+    """
+    those = _candidates(known, object_type)
+    said = [(one, row) for one in those for row in one.rows(pnu)]
+    if not said:
+        return None
+    sure = all(one.whole and one.grade == "read" and one.rows(pnu) for one in those)
+    facts_, *others = (lists.facts(row) for _, row in said)
+    agreed = {key: value for key, value in facts_.items() if all(other.get(key) == value for other in others)}
+    sources = dict.fromkeys(lists.source(one.name) for one, _ in said)
+    entry = {
+        "type": UNKNOWN, "title": facts_["title"], **agreed, "objects": [one.type for one, _ in said if one.type],
+        "grade": "read" if sure else "inferred", "source": "; ".join(sources),
+    }  # fmt: skip
+    return parameter_from(pnu, entry, read_only=any(row.texts["letter"] == "r" for _, row in said))
+
+
+def _bounded(own: Parameter, said: Parameter) -> Parameter:
+    """A row without limits, with those of a list: inferred ones, which decide nothing."""
+    ends: tuple[Fact, ...] = ("min", "max")
+    if own.type != said.type or said.type != "FloatingPoint" or any(end in own.grades for end in ends):
+        return own
+    known = {end: (said.minimum if end == "min" else said.maximum) for end in ends}
+    found = {end: said.doubted.get(end, limit) for end, limit in known.items()}
+    stated = {end: limit for end, limit in found.items() if limit is not None}
+    grades: dict[Fact, Grade] = dict.fromkeys(stated, "inferred")
+    return replace(own, doubted={**own.doubted, **stated}, grades={**own.grades, **grades})
+
+
 @dataclass(frozen=True, slots=True)
 class Device:
     """A device profile: limits and behaviour of one drive family (source: its manuals, named in ``source``).
@@ -166,6 +236,17 @@ class Device:
     parameters: dict[int, Parameter]
     like: str = field(default="", compare=False)
     object_types: ObjectTypes | None = None
+    lists: tuple[DeviceList, ...] = ()
+
+    def find(self, pnu: int, object_type: str = "") -> Parameter | None:
+        """What is known of a number: the profile's own row, else what lists say of it for a type of drive object, or
+        for the usual one.
+        """
+        types = self.object_types
+        usual = _listed(self.lists, pnu, types.others) if types is not None and not object_type else None
+        said = usual or _listed(self.lists, pnu, object_type)
+        own = self.parameters.get(pnu)
+        return said if own is None else _bounded(own, said) if said is not None else own
 
     def example(self) -> str:
         """A parameter that the catalogue of this device has; P1120 if it has none."""
@@ -186,6 +267,8 @@ class Device:
         ``surely``: its list was read whole; ``perhaps``: lists name it for objects of other groups alone.
         """
         known, types = self.parameters.get(pnu), self.object_types
+        if known is None and self.absent(pnu, object_type):
+            return "surely"
         if known is None or types is None or not known.objects or object_type in ("", OTHER):
             return ""
         own = single_types([object_type])
@@ -194,6 +277,15 @@ class Device:
         if own & types.whole and known.read("objects"):
             return "surely"
         return "" if kindred(own) & known.objects else "perhaps"
+
+    def absent(self, pnu: int, object_type: str) -> tuple[str, ...]:
+        """The lists that were read whole for a type of drive object and do not have a number; none if that says
+        nothing.
+        """
+        those = _candidates(self.lists, object_type)
+        if pnu in UNLISTED or not all(one.whole for one in those) or any(one.rows(pnu) for one in those):
+            return ()
+        return tuple(dict.fromkeys(lists.source(one.name) for one in those))
 
     def danger(self, pnu: int, values: Collection[object] | None = None, object_type: str = "") -> str:
         """Why a write of these values needs a sign-off, whatever a spec says about the parameter; empty if it needs

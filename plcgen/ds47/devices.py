@@ -14,12 +14,11 @@ from types import ModuleType
 from typing import Any
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, PluginError, Report, Span
-from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.base.files.files import below, refusal
 from plcgen.base.files.text import read_text
 from plcgen.base.plugins import plugins
 from plcgen.base.resources import specs_dir
-from plcgen.ds47.device import UNKNOWN, Device, Parameter, facts, parameter_from
+from plcgen.ds47.device import UNKNOWN, Device, Parameter, device_hint, facts, parameter_from
 
 GROUP = "plcgen.devices"
 """Entry points of packages that bring device profiles."""
@@ -58,7 +57,7 @@ def _installed(name: str, place: Span) -> Path:
     if name in _packaged():
         return _packaged()[name]
     known = device_names()
-    help_ = f"{did_you_mean(name, known)} known devices: {', '.join(known)}".strip()
+    help_ = f"{device_hint(name, known)} plcgen schema --devices lists them".strip()
     raise DiagnosticError([Diagnostic("PG201", f'unknown device "{name}"', place, help=help_)])
 
 
@@ -98,7 +97,8 @@ def read_profile(path: Path, key: str) -> Device:
     base = _shipped_device(model.like)
     lent = {pnu: _lent(one, base) for pnu, one in base.parameters.items()}
     own = {pnu: _guarded(one, lent.get(pnu)) for pnu, one in device.parameters.items()}
-    return replace(device, like=model.like, parameters={**lent, **own})
+    lists = tuple(replace(one, grade="inferred", whole=False) for one in base.lists)
+    return replace(device, like=model.like, parameters={**lent, **own}, lists=device.lists or lists)
 
 
 def _guarded(one: Parameter, lent: Parameter | None) -> Parameter:

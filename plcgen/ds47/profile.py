@@ -20,19 +20,20 @@ from pydantic import (
     field_validator,
 )
 
-from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.base.files.printed import Line, Name, Value
 from plcgen.base.files.validation import FileShape, Problems, StrictModel, problem
-from plcgen.ds47 import guards
+from plcgen.ds47 import guards, lists
 from plcgen.ds47.device import (
     UNKNOWN,
     Device,
+    DeviceList,
     Fact,
     Grade,
     ObjectTypes,
     Parameter,
     ParameterDef,
     ParameterNumber,
+    device_hint,
     parameter_from,
 )
 from plcgen.ds47.objects import ListedType, ObjectType, single_types
@@ -104,6 +105,28 @@ class ProfileObjects(StrictModel):
     control_unit: DriveObject = Field(description="number of the control unit")
     others: ObjectType = Field(description="type of the other drive objects, if the spec says nothing")
     whole: tuple[ListedType, ...] = Field((), description="types whose lists of parameters were read whole")
+
+
+class ProfileList(StrictModel):
+    """A whole list of parameters that the device has."""
+
+    list: Line = Field(description="its name: a file of the package")
+    objects: tuple[Line, ...] = Field((), description="its drive objects; absent: all")
+    type: ListedType | None = Field(None, description="the type of drive object that they are in this device")
+    grade: Grade = Field("read", description="inferred: it is the list of another device")
+    whole: bool = Field(default=True, description="a number that it lacks is not in such a drive object")
+
+    @field_validator("list")
+    @classmethod
+    def _is_there(cls, name: str) -> str:
+        if name not in lists.names():
+            raise problem(f'there is no list "{name}"', help_=f"lists: {', '.join(lists.names())}")
+        return name
+
+    def known(self) -> DeviceList:
+        """The same for a device."""
+        whole = self.whole and self.grade == "read"
+        return DeviceList(self.list, frozenset(self.objects), self.type or "", self.grade, whole)
 
 
 class ProfileLimits(StrictModel):
@@ -271,6 +294,7 @@ class DeviceProfile(StrictModel):
         None, description="a shipped device whose parameters this one has too, as far as anybody knows"
     )
     sources: dict[Name, Line] = Field(default_factory=dict, description="sources by a short name, for parameters")
+    lists: tuple[ProfileList, ...] = Field((), description="whole lists of parameters that it has")
     parameters: dict[ParameterNumber, ParameterEntry] = Field(default_factory=dict, description="the catalogue")
 
     @field_validator("like")
@@ -278,7 +302,7 @@ class DeviceProfile(StrictModel):
     def _is_shipped(cls, like: str | None, info: ValidationInfo) -> str | None:
         lenders = (info.context or {}).get(LENDERS, {})
         if like is not None and like not in lenders:
-            help_ = f"{did_you_mean(like, lenders)} shipped devices: {', '.join(lenders)}".strip()
+            help_ = f"{device_hint(like, lenders)} shipped devices: {', '.join(lenders)}".strip()
             raise problem(f'like: there is no shipped device "{like}"', code="PG201", help_=help_)
         return like
 
@@ -330,6 +354,7 @@ class DeviceProfile(StrictModel):
             bico=self.bico,
             error_table=self.error_table,
             object_types=None if self.object_types is None else _object_types(self.object_types),
+            lists=tuple(one.known() for one in self.lists),
             parameters={found.pnu: found for found in itertools.starmap(self._parameter, self.parameters.items())},
         )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-_NUMBER = re.compile(r"[PpRr]?0*([0-9]{1,9})\Z")
+_NUMBER = re.compile(r"[PpRrCc]?0*([0-9]{1,9})\Z")
 _REFERENCE = re.compile(
     r"\s*([A-Za-z_][A-Za-z0-9_]*|[0-9]+)\s*(?:\[\s*([0-9]{1,6})\s*(?:\.\.\s*([0-9]{1,6})\s*)?\])?\s*\Z"
 )
@@ -47,7 +47,7 @@ def split_bit(text: str) -> tuple[str, int] | None:
 _NEARLY = re.compile(
     r"\s*([A-Za-z_]\w*|[0-9]+)\s*[\[({]\s*([0-9]{1,6})\s*(\.{1,4}|…|–|-|:|,|;|\s+to\s+)\s*([0-9]{1,6})\s*[\])}]?\s*\Z"
 )
-_ONE = re.compile(r"\s*([PpRr][0-9]{1,5})\s*(?:[({]\s*([0-9]{1,6})\s*[)}]?|\[\s*([0-9]{1,6})|(\.)([0-9]{1,6}))\s*\Z")
+_ONE = re.compile(r"\s*([PpRrCc][0-9]{1,5})\s*(?:[({]\s*([0-9]{1,6})\s*[)}]?|\[\s*([0-9]{1,6})|(\.)([0-9]{1,6}))\s*\Z")
 _LIST = re.compile(r"[\s\w\[\].]*,[\s\w\[\].,]*\Z")
 
 

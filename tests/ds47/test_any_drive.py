@@ -106,7 +106,7 @@ def test_what_was_signed_off_is_listed_for_the_drive_in_which_it_is_dangerous(tm
 @pytest.mark.parametrize("different", [False, True], ids=["equal", "each defined in its own way"])
 def test_twenty_drives_are_one_problem(tmp_path: Path, different: bool) -> None:
     """However many of them are dangerous, unlike an axis: the first one is named."""
-    own = [f"parameters: {{P2901: {{type: Integer16, max: {20 + n if different else 20}}}}}" for n in range(20)]
+    own = [f"parameters: {{P2999: {{type: Integer16, max: {20 + n if different else 20}}}}}" for n in range(20)]
     drives = "".join(
         f"  s{n}: {{device: sinamics-s120, object_type: a_inf, address: {300 + 8 * n}, {own[n]}}}\n" for n in range(20)
     )
@@ -119,7 +119,10 @@ def test_twenty_drives_are_one_problem(tmp_path: Path, different: bool) -> None:
         "utf-8",
     )
     (told,) = api.check(spec).diagnostics
-    assert (told.code, told.message[:46]) == ("PG219", "writing P1800 of s0 needs a sign-off: comes wi")
+    assert (told.code, told.message[:46]) == (
+        "PG219",
+        "writing P1800 (Pulse frequency) of s0 needs a ",
+    )
 
 
 def test_equal_drives_that_do_not_fit_are_one_problem(tmp_path: Path) -> None:

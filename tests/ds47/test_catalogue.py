@@ -150,8 +150,8 @@ def test_one_list_has_three_devices() -> None:
 
 def test_like_names_a_shipped_device(tmp_path: Path) -> None:
     """And not another file, which could lead anywhere."""
-    (tmp_path / "own.yaml").write_text(ACME.replace("sources:", "like: sinamics-g121\nsources:"), "utf-8")
-    with pytest.raises(DiagnosticError, match='there is no shipped device "sinamics-g121"') as wrong:
+    (tmp_path / "own.yaml").write_text(ACME.replace("sources:", "like: sinamics-g12\nsources:"), "utf-8")
+    with pytest.raises(DiagnosticError, match='there is no shipped device "sinamics-g12"') as wrong:
         find_device(str(tmp_path / "own.yaml"))
     (told,) = wrong.value.diagnostics
     assert told.help.startswith('did you mean "sinamics-g120"?')
@@ -201,7 +201,7 @@ def test_show_tells_grades_and_source() -> None:
 
 def test_show_for_programs_and_what_is_not_there() -> None:
     """Known ones are shown, unknown ones reported; a neighbouring number is not offered."""
-    words = ["catalogue", "show", "r945", "P1119", "fault_cod", "--device", "sinamics-s120", "--json"]
+    words = ["catalogue", "show", "r945", "P1118", "fault_cod", "--device", "sinamics-s120", "--json"]
     result = CliRunner().invoke(cli, words, standalone_mode=False)
     data = json.loads(result.output)
     assert data["parameters"][0]["facts"]["array"] == {"value": 64, "grade": "read"}

@@ -81,7 +81,7 @@ def test_import_guide_repeats_reason_and_safety(tmp_path):
     path = write(tmp_path, case, "allow_safety: {P9501: agreed | tested}")
     assert api.generate(path, tmp_path / "out").ok
     guide = (tmp_path / "out" / "IMPORT.md").read_text("utf-8")
-    assert "signed off: agreed \\| tested |" in guide
+    assert "signed off: agreed \\| tested; type inferred" in guide
     assert "**Safety: block J writes P9501 of drive d.**" in guide
 
 
@@ -111,7 +111,7 @@ def test_a_neighbouring_number_is_never_offered(number, tmp_path):
     told = [d for d in api.check(write(tmp_path, case)).diagnostics if d.code == "PG204"]
     written = {"p1119": "P1119", "R946": "r946"}.get(number, number)
     define = f"or define it in the drive: parameters: {{{written}: {{type: ..}}}}"
-    assert [d.help for d in told] == [f"give its type: {{type: FloatingPoint}}; {define}"]
+    assert [d.help for d in told] == [f"look it up in the list manual and give its type: {{type: ..}}; {define}"]
 
 
 def test_a_similar_name_is_offered(tmp_path):

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from plcgen import api
 from plcgen.ds47 import lists
-from plcgen.ds47.device import Parameter
-from plcgen.ds47.devices import find_device
+from plcgen.ds47.device import Parameter, device_hint
+from plcgen.ds47.devices import device_names, find_device
 from plcgen.ds47.types import read_type
 from tests.evidence import lists as tool
 
@@ -127,3 +128,82 @@ def test_rows_by_hand_and_lists_agree(device: str) -> None:
         if row.read("type") and not any(_says(row, one) for one in said):
             wrong.add((device, number))
     assert wrong == {pair for pair in _WHY if pair[0] == device}
+
+
+def _checked(tmp_path: Path, device: str, job: str, drive: str = "") -> list[tuple[str, str, str]]:
+    spec = tmp_path / "job.yaml"
+    head = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\n"
+    drives = f"drives: {{d: {{device: {device}, hardware_id: 270{drive}}}}}\n"
+    spec.write_text(f"{head}{drives}jobs: {{j: {{drive: d, {job}}}}}\n", "utf-8")
+    return [(one.severity.name, one.code, one.message) for one in api.check(spec).diagnostics]
+
+
+@pytest.mark.parametrize(
+    ("device", "drive", "job"),
+    [
+        ("sinamics-s120", ", object_type: vector", "read: [r32, p1520, r63]"),
+        ("sinamics-g220", "", "read: [c840, r722, r63]"),
+        ("sinamics-g120", "", "read: [P2507]"),
+        ("sinamics-s200", "", "read: [P2507]"),
+        ("sinamics-dcm", "", "read: [p116, p147]"),
+    ],
+)
+def test_a_number_of_a_list_needs_no_type(tmp_path: Path, device: str, drive: str, job: str) -> None:
+    """Its list knows it, or that of the device that it is held for."""
+    assert [one for one in _checked(tmp_path, device, job, drive) if one[0] == "ERROR"] == []
+
+
+@pytest.mark.parametrize(
+    ("device", "drive", "job"),
+    [
+        ("sinamics-g220", "", "read: [r20, P971]"),
+        ("sinamics-g220", "", "read: [{parameter: P971, type: Unsigned16}]"),
+        ("sinamics-s210", "", "read: [P1120]"),
+        ("sinamics-s150", "", "read: [P1118]"),
+        ("sinamics-s120", ", object_type: vector", "read: [P1118]"),
+    ],
+)
+def test_what_a_whole_list_lacks_is_known_to_be_absent(tmp_path: Path, device: str, drive: str, job: str) -> None:
+    """An error that names the list, also if a type is given."""
+    ((severity, code, message),) = _checked(tmp_path, device, job, drive)
+    assert (severity, code) == ("ERROR", "PG262")
+    assert "TIA Portal information system" in message
+
+
+def test_where_no_list_is_whole_a_number_stays_unknown(tmp_path: Path) -> None:
+    """An axis of an S120 may be a SERVO; a definition in the spec says that a drive has a number all the same."""
+    assert [one[1] for one in _checked(tmp_path, "sinamics-s120", "read: [P4999]")] == ["PG204"]
+    own = ", parameters: {P971: {type: Unsigned16}}"
+    assert [one for one in _checked(tmp_path, "sinamics-g220", "read: [P971]", own) if one[0] == "ERROR"] == []
+
+
+@pytest.mark.parametrize("device", ["sinamics-g120", "sinamics-s120", "sinamics-v90"])
+def test_limits_that_nobody_read_warn(tmp_path: Path, device: str) -> None:
+    """Ramps and speeds below zero: no device takes them, and none is silent about it."""
+    for number in (1120, 1121, 1082):
+        job = f"write: {{P{number}: -5.0}}, allow: {{P{number}: test}}"
+        found = [one for one in _checked(tmp_path, device, job) if one[1] == "PG209"]
+        assert [one[0] for one in found] == ["WARNING"], number
+
+
+def test_limits_that_were_read_are_errors(tmp_path: Path) -> None:
+    """The list of VECTOR: p1520 of an S150 is up to 20000000 Nm; p1120 of a G220 begins at 0."""
+    assert ("ERROR", "PG209") in [one[:2] for one in _checked(tmp_path, "sinamics-g220", "write: {P1121: -1.0}")]
+
+
+def test_a_missing_type_is_not_invented(tmp_path: Path) -> None:
+    """p4999 is in no list: what helps is to look it up."""
+    spec = tmp_path / "job.yaml"
+    _checked(tmp_path, "sinamics-s120", "read: [P4999]")
+    (found,) = api.check(spec).diagnostics
+    assert "type: .." in found.help
+    assert "FloatingPoint" not in found.help
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [("sinamics-g221", ""), ("sinamics-g120p", ""), ("sinamics-v120", ""), ("g120", "g120"), ("sinmics-s210", "s210")],
+)
+def test_no_device_is_taken_for_another(name: str, meant: str) -> None:
+    """A slip of the pen gets a name; another letter or number of a product does not."""
+    assert device_hint(name, device_names()) == (f'did you mean "sinamics-{meant}"?' if meant else "")

@@ -38,7 +38,11 @@ def number(text: str, fmt: str) -> str:
             text = str(int(match[1].replace(" ", ""), base))
     if not _NUMBER.match(text):
         return ""
-    value: float = float(text) if fmt == "FloatingPoint" else int(float(text))
+    value: float = float(text)
+    if fmt != "FloatingPoint":
+        if not value.is_integer():
+            return ""
+        value = int(value)
     try:
         formats.pack_values(read_type(fmt)[0], [value])
     except (FormatValueError, OverflowError, struct.error):
@@ -71,6 +75,8 @@ def kept(row: Mapping[str, str]) -> list[str]:
     fmt = ON_WIRE.get(f"{row['letter']}{row['number']}", "FloatingPoint" if listed == "FloatingPoint32" else listed)
     strange = fmt.startswith("OctetString")
     low, high, default = ("" if strange else number(row[key], fmt) for key in ("min", "max", "default"))
+    if signal and default != "0":
+        default = ""  # a source, which is not coded as it is printed
     bounds = [float(one) for one in (low, high) if one]
     if default and len(bounds) == 2 and not bounds[0] <= float(default) <= bounds[1]:
         default = ""

@@ -61,7 +61,7 @@ def _find(device: Device, words: tuple[str, ...]) -> tuple[list[Parameter], tupl
     for word in arguments(words):
         reference = parse_reference(word.text)
         number = reference.pnu if reference is not None else None
-        one = device.by_name(word.text) if number is None else device.parameters.get(number)
+        one = device.by_name(word.text) if number is None else device.find(number)
         if one is not None:
             chosen.append(one)
         else:

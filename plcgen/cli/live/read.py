@@ -99,7 +99,7 @@ def _known(
     if name and device is None:
         raise word.problem("PG703", f'"{text}" is a name, and names belong to a device', "say which one with --device")
     devices_ = [device] if device else [find_device(one) for one in device_names()]
-    found = [one.by_name(name) if name else one.parameters.get(pnu or 0) for one in devices_]
+    found = [one.by_name(name) if name else one.find(pnu or 0) for one in devices_]
     known = [one for one in found if one is not None and one.type]
     if device is None and len({one.type for one in known}) == 1:
         return _common(known)

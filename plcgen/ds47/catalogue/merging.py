@@ -12,7 +12,7 @@ from plcgen.base.files.yaml import Scalar
 from plcgen.ds47 import guards
 from plcgen.ds47.catalogue.lists import ListedParameter, ParameterList, cell_text
 from plcgen.ds47.catalogue.pages import label, told_value
-from plcgen.ds47.device import UNKNOWN, Device, Fact, Grade, Parameter, facts
+from plcgen.ds47.device import UNKNOWN, Device, DeviceList, Fact, Grade, Parameter, facts
 from plcgen.ds47.types import TypeTextError, read_type
 from plcgen.ds47.wire import formats
 from plcgen.ds47.wire.formats import Format, FormatKind, FormatValueError
@@ -49,7 +49,7 @@ def merge_list(device: Device, listed: ParameterList, source: str) -> Merged:
     changes: list[ListedChange] = []
     skipped = [*listed.skipped]
     for one in listed.parameters:
-        known = device.parameters.get(one.pnu)
+        known = device.find(one.pnu)
         base = known or Parameter(one.pnu, _type(one), access="r" if _read_only(one) else "rw", indexes=UNKNOWN)
         stated = dict(_stated(base, one, skipped))
         if known is None:
@@ -187,9 +187,17 @@ def profile_text(device: Device) -> str:
             "others": types.others,
             "whole": sorted(types.whole),
         }
+    if device.lists:
+        head["lists"] = [_of_list(one) for one in device.lists]
     lines = [f"{key}: {_flow(value)}" for key, value in head.items()]
     rows = [f"  {_key(one)}: {_flow(_row(one))}" for _, one in sorted(device.parameters.items())]
     return "\n".join([*lines, "parameters:" if rows else "parameters: {}", *rows]) + "\n"
+
+
+def _of_list(one: DeviceList) -> dict[str, Any]:
+    """A list that the device has, as a profile names it."""
+    said = {"list": one.name, "objects": sorted(one.objects), "type": one.type, "grade": one.grade, "whole": one.whole}
+    return {key: value for key, value in said.items() if value not in ("", [])}
 
 
 def _key(one: Parameter) -> str:

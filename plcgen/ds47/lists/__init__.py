@@ -7,10 +7,12 @@ times, for different drive objects. ``python -m tests.evidence LISTS --part list
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 COLUMNS = (
     "number", "letter", "objects", "title", "type", "bico", "array", "unit", "min", "max", "default", "scaling",
@@ -38,7 +40,7 @@ class Listed:
         return {int(number): name for number, _, name in pairs}
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=16)
 def _text(name: str) -> str:
     return "\n" + (FOLDER / f"{name}.tsv").read_text("utf-8")
 
@@ -50,7 +52,32 @@ def names() -> Sequence[str]:
 
 def source(name: str) -> str:
     """What a list is."""
-    return _text(name)[1:].partition("\n")[0].removeprefix("# ")
+    return _text(name)[1:].partition("\n")[0].removeprefix("# ").removesuffix(", facts only")
+
+
+def value_name(text: str) -> str:
+    """The name of a value as a spec writes it; empty if nothing is left."""
+    words = re.sub("[^a-z0-9]+", "_", text.lower())[:64].strip("_")
+    return words if words[:1].isalpha() and not re.fullmatch("[prc][0-9]+", words) else ""
+
+
+def facts(row: Listed) -> dict[str, Any]:
+    """What a line says as facts of a catalogue; nothing where it says nothing. A name that two values have is none."""
+    texts = row.texts
+    found: dict[str, Any] = {
+        key: texts[key] for key in ("title", "type", "unit", "scaling", "changeable") if texts[key]
+    }
+    found |= {key: _number(texts[key]) for key in ("min", "max", "default") if texts[key]}
+    found |= {"bico": True} if texts["bico"] else {}
+    found |= {"array": int(texts["array"]) if texts["array"].isdecimal() else texts["array"]} if texts["array"] else {}
+    named = [(value_name(text), number) for number, text in row.names("values").items()]
+    count = Counter(name for name, _ in named)
+    values = {name: number for name, number in named if name and count[name] == 1}
+    return found | ({"values": values} if values and texts["type"] != "FloatingPoint" else {})
+
+
+def _number(text: str) -> float:
+    return float(text) if "." in text or "e" in text else int(text)
 
 
 def find(name: str, number: int) -> Sequence[Listed]:

@@ -529,6 +529,10 @@ class DrivePlan(Plan):
         """What the spec says about a drive."""
         return self._placed[drive.path]
 
+    def own_numbers(self, drive: PlannedDrive) -> set[int | None]:
+        """Numbers of the parameters that the spec defines for a drive."""
+        return set(map(number_of, self.settings(drive).parameters))
+
     @cached_property
     def _placed(self) -> dict[SpecPath, DriveSettings]:
         return {placed.path: placed.drive for placed in self.spec.placed()}

@@ -17,6 +17,7 @@ _OWN = ("name", "title", "unit", "default")
 def merged(known: Parameter, own: Parameter) -> Parameter:
     """What the spec says, and of the catalogue what the spec does not speak of; who defines a type has looked it up."""
     texts = {key: getattr(own, key) for key in _OWN if getattr(own, key) not in {None, ""}}
+    stated = {fact for fact, limit in (("min", own.minimum), ("max", own.maximum)) if limit is not None}
     return replace(
         known,
         **texts,
@@ -30,6 +31,7 @@ def merged(known: Parameter, own: Parameter) -> Parameter:
         values={**known.values, **own.values},
         observed=known.observed if own.type == known.type else None,
         grades={**known.grades, "type": "read"},
+        doubted={fact: value for fact, value in known.doubted.items() if fact not in stated},
     )
 
 

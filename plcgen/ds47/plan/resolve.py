@@ -76,7 +76,7 @@ def _resolvers(loaded: LoadedSpec, drives: tuple[PlannedDrive, ...], report: Rep
     for drive in drives:
         definitions = placed[drive.key].drive.parameters
         own = _own_parameters(loaded, drive, definitions, report)
-        resolver = found[drive.key] = UseResolver(loaded, drive.device, own, report)
+        resolver = found[drive.key] = UseResolver(loaded, drive, own, report)
         for text in definitions:
             reference = parse_reference(text)
             known = own.get(reference.pnu) if reference and reference.pnu is not None else None
@@ -154,8 +154,11 @@ def _own_parameters(
                 )
             )
             continue
-        known = device.parameters.get(reference.pnu)
-        reason = guards.why_read_only(text, reference.pnu, catalogued=known.access if known is not None else "")
+        known = device.find(reference.pnu, drive.object_type)
+        sure = known is not None and (known.read("access") or known.pnu in device.parameters)
+        reason = guards.why_read_only(
+            text, reference.pnu, catalogued=known.access if known is not None and sure else ""
+        )
         if reason and definition.access not in {None, "r"}:
             source = f": {known.source}" if known is not None and known.access == "r" else ""
             message, help_ = f"{text} cannot be written: {reason}{source}", "remove access, or write access: r"

@@ -10,9 +10,9 @@ from typing import Any
 from plcgen.base.diagnostics import Diagnostic, Report, Severity
 from plcgen.base.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.ds47 import guards
-from plcgen.ds47.device import Device, Parameter
+from plcgen.ds47.device import Fact, Parameter, limit_text
 from plcgen.ds47.kinds.kind import ReadItem, WriteItem
-from plcgen.ds47.plan.nouns import Use
+from plcgen.ds47.plan.nouns import PlannedDrive, Use
 from plcgen.ds47.plan.pack import MAX_TELEGRAMS
 from plcgen.ds47.references import Reference, parse_reference, spelling_hint
 from plcgen.ds47.types import TypeTextError, read_type
@@ -29,12 +29,13 @@ HIGHEST_BOUND = 32_767
 class UseResolver:
     """Resolves the parameters of one drive's jobs; problems go to the report, the use is then left out."""
 
-    def __init__(self, loaded: LoadedSpec, device: Device, own: dict[int, Parameter], report: Report) -> None:
+    def __init__(self, loaded: LoadedSpec, drive: PlannedDrive, own: dict[int, Parameter], report: Report) -> None:
         self.loaded = loaded
-        self.device = device
+        self.device = drive.device
+        self.object_type = drive.object_type
         self.own = own
         self.report = report
-        self.known = {**device.parameters, **own}
+        self.known = {**self.device.parameters, **own}
         named = [(one.name, one) for one in reversed(self.known.values()) if one.name]
         self._by_name, self._words = dict(named), Vocabulary(name for name, _ in reversed(named))
         self.unusable: set[int] = set()
@@ -42,7 +43,7 @@ class UseResolver:
 
     def alike(self, other: UseResolver) -> bool:
         """Whether both resolve every parameter to the same use."""
-        return self.device is other.device and self.own == other.own
+        return (self.device, self.object_type, self.own) == (other.device, other.object_type, other.own)
 
     def reporting(self, report: Report) -> UseResolver:
         """The same resolver with another report."""
@@ -134,13 +135,24 @@ class UseResolver:
         if not 1 <= reference.pnu <= 0xFFFF:
             self.problem("PG203", f"parameter number {reference.pnu} is outside 1..65535", place)
             return None
-        known = self.known.get(reference.pnu)
+        known = self.own.get(reference.pnu) or self.device.find(reference.pnu, self.object_type)
         if known is None and given is None:
+            absent = self.device.absent(reference.pnu, self.object_type)
+            if absent:
+                written = f"{'r' if reference.read_only else 'P'}{reference.pnu}"
+                message = f"{self.device.title} has no {written}: {'; '.join(absent)}"
+                help_ = (
+                    f"the drive would answer error 00h: plcgen catalogue show WORD --device {self.device.key} searches"
+                )
+                self.problem("PG262", message, place, help_)
+                return None
             # no number that looks like it is offered: the neighbour of a parameter is another parameter
             written = f"{'r' if reference.read_only else 'P'}{reference.pnu}"
             message = f"{written} is not in the catalogue of {self.device.key}: its data type is missing"
             define = f"parameters: {{{written}: {{type: ..}}}}"
-            help_ = f"give its type: {{type: FloatingPoint}}; or define it in the drive: {define}"
+            help_ = (
+                f"look it up in the list manual and give its type: {{type: ..}}; or define it in the drive: {define}"
+            )
             self.problem("PG204", message, place, help_)
             return None
         if known is None:
@@ -154,6 +166,9 @@ class UseResolver:
         if not known.type and given is not None:
             return replace(known, type=given)
         if given is not None and given.lower() != known.type.lower():
+            if reference.pnu not in self.known and not known.read("type"):
+                # of the list of another drive: who writes a type has looked it up
+                return replace(known, type=given, access="r" if known.pnu in guards.READ_ONLY else "rw", bico=False)
             self.problem(
                 "PG212",
                 f"P{reference.pnu} is {known.type} in the catalogue, not {given}",
@@ -234,20 +249,29 @@ class UseResolver:
         except FormatValueError as problem:
             self.problem("PG208", f"P{parameter.pnu}: {problem}", path)
             return None
-        low, high = parameter.minimum, parameter.maximum
-        if isinstance(value, bool | int | float) and (
-            (low is not None and value < low) or (high is not None and value > high)
-        ):
+        return packed if self._within(value, parameter, path) else None
+
+    def _within(self, value: Any, parameter: Parameter, path: SpecPath) -> bool:
+        """Whether a value is within limits that were read; beyond others it is a warning."""
+        ends = ((parameter.minimum, parameter.maximum), (parameter.doubted.get("min"), parameter.doubted.get("max")))
+        for sure, (low, high) in zip((True, False), ends, strict=True):
+            if not isinstance(value, bool | int | float) or not _beyond(value, low, high):
+                continue
             unit = f" {parameter.unit}" if parameter.unit else ""
-            bounds = f"{'' if low is None else f'{low:g}'}..{'' if high is None else f'{high:g}'}{unit}"
+            bounds = f"{limit_text(low)}..{limit_text(high)}{unit}"
+            grades = sorted({parameter.grades.get(end, "read") for end in _ENDS if end in parameter.doubted})
+            how = "" if sure else f" ({' and '.join(grades)}, not read in a manual)"
             self.problem(
                 "PG209",
-                f"P{parameter.pnu} = {value:g} is outside its limits {bounds}",
+                f"P{parameter.pnu} = {value:g} is outside its limits {bounds}{how}",
                 path,
-                "the drive would answer error 02h",
+                "the drive would answer error 02h"
+                if sure
+                else "look the limits up, and state them in the drive: min, max",
+                Severity.ERROR if sure else Severity.WARNING,
             )
-            return None
-        return packed
+            return not sure
+        return True
 
     def _pack_octets(self, values: Sequence[Any], fmt: Format, count: int, path: SpecPath) -> bytes | None:
         value = values[0] if len(values) == 1 else None
@@ -266,6 +290,13 @@ class UseResolver:
             self.problem("PG208", f"{fmt.name}[{count}] takes {count} octets, not {len(data)}", path)
             return None
         return data.ljust(count)
+
+
+_ENDS: tuple[Fact, ...] = ("min", "max")
+
+
+def _beyond(value: float, low: float | None, high: float | None) -> bool:
+    return (low is not None and value < low) or (high is not None and value > high)
 
 
 def _names_sources(given: Any, parameter: Parameter, fmt: Format) -> bool:

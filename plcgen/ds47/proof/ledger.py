@@ -81,7 +81,7 @@ def _drive(plan: DrivePlan, drive: PlannedDrive) -> Iterator[Assumption]:
         parameter, name = use.parameter, f"{drive.key} {'r' if use.parameter.access == 'r' else 'P'}{use.parameter.pnu}"
         written, defined = own.get(parameter.pnu, ("", None))
         place = f"the spec, {'.'.join(map(str, drive.path))}.parameters.{written}" if written else "the spec"
-        known = drive.device.parameters.get(parameter.pnu)
+        known = drive.device.find(parameter.pnu, drive.object_type)
         typed = known is not None and bool(known.type)
         facts: tuple[tuple[Fact, str, bool], ...] = (
             ("type", use.format.name, defined is not None or not typed),

@@ -155,7 +155,7 @@ def _limits(
 ) -> Iterator[Diagnostic]:
     """Limits of the profile that the list which they were read in does not print."""
     for drive, use in uses:
-        known = drive.device.parameters.get(use.parameter.pnu)
+        known = drive.device.find(use.parameter.pnu, drive.object_type)
         if known is None or not (known.read("min") and known.read("max")):
             continue
         for said in documented.get(known.pnu, ()):
@@ -288,7 +288,7 @@ def _drive_object(plan: DrivePlan, drive: PlannedDrive) -> int:
 
 
 def _of_profile(drive: PlannedDrive, use: Use) -> bool:
-    return use.parameter is drive.device.parameters.get(use.parameter.pnu)
+    return use.parameter == drive.device.find(use.parameter.pnu, drive.object_type)
 
 
 def reading(change: bytes) -> bytes:

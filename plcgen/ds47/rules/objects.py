@@ -38,8 +38,11 @@ def missing(plan: DrivePlan) -> Iterator[Diagnostic]:
     for shape in plan.shapes:
         told: set[tuple[int, int, str]] = set()
         for job in plan.instances(shape):
+            own = plan.own_numbers(job.drive)
             for use in job.own if job.clock is None else ():  # PG254 says it of a clock
                 for needed in _needed(plan, job, use):
+                    if needed.pnu in own and job.drive.device.find(needed.pnu) is None:
+                        continue  # the spec says that this drive has it
                     how = job.drive.device.lacks(needed.pnu, needed.object_type)
                     key = (use.position, needed.pnu, needed.object_type)
                     if how and key not in told:
@@ -78,7 +81,12 @@ def _needed(plan: DrivePlan, job: DriveJob, use: Use) -> Iterator[_Needed]:
 
 
 def _missing(plan: DrivePlan, job: DriveJob, needed: _Needed, *, sure: bool) -> Diagnostic:
-    known = job.drive.device.parameters[needed.pnu]
+    known = job.drive.device.find(needed.pnu)
+    if known is None:
+        source = "; ".join(job.drive.device.absent(needed.pnu, needed.object_type))
+        message = f"drive object {needed.drive_object} has no P{needed.pnu}: {source}"
+        help_ = "the drive would answer error 00h: look for the parameter in its list"
+        return Diagnostic("PG262", message, needed.span, help=help_)
     name = f"{'r' if known.access == 'r' else 'P'}{needed.pnu}"
     shown = f" ({needed.drive.key})" if needed.drive is not None else ""
     where = f"drive object {needed.drive_object}{shown} {'has' if sure else 'may have'} no {name} ({known.title})"
@@ -99,6 +107,6 @@ def _helps(plan: DrivePlan, job: DriveJob, needed: _Needed) -> Iterator[str]:
         yield f"{replace(needed.source, drive_object=control)} is that of the control unit"
     elif other is not None:
         yield f'"{other.key}" of the same unit has it'
-    elif device.parameters[pnu].objects == {CONTROL_UNIT_TYPE}:
+    elif (known := device.find(pnu)) is not None and known.objects == {CONTROL_UNIT_TYPE}:
         yield f"add the control unit to the unit as a drive, with drive_object: {control}"
     yield f"if drive object {needed.drive_object} is no {singular(needed.object_type)}, say what it is: object_type"

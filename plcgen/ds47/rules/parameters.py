@@ -33,18 +33,13 @@ def _no_access(plan: DrivePlan, job: DriveJob, use: Use) -> tuple[str, str] | No
         help_ = "the drive would answer error 01h: remove it from write, or read it in another job"
         return "can only be read", help_
     if use.writes and not use.parameter.source and spelling(plan, job, use).strip()[:1] in {"r", "R"}:
-        if use.parameter.pnu in own_numbers(plan, job):
+        if use.parameter.pnu in plan.own_numbers(job.drive):
             return None
         what = "is written with r, which marks a read-only parameter"
         return what, f"write P{use.parameter.pnu} if the drive accepts values for it"
     if not use.writes and use.parameter.access == "w" and use.verifies is None and use.remembers is None:
         return "can only be written", f"remove it from {job.kind}"
     return None
-
-
-def own_numbers(plan: DrivePlan, job: DriveJob) -> set[int | None]:
-    """Numbers of the parameters that the job's drive defines itself."""
-    return set(map(number_of, plan.settings(job.drive).parameters))
 
 
 def repeated(plan: DrivePlan) -> Iterator[Diagnostic]:
@@ -176,7 +171,7 @@ def unknown_types(plan: DrivePlan) -> Iterator[Diagnostic]:
 
 def _recalled(plan: DrivePlan, job: DriveJob, use: Use) -> bool:
     recalled = use.parameter.grades.get("type") == "recalled"
-    return recalled and use.parameter.pnu not in own_numbers(plan, job)
+    return recalled and use.parameter.pnu not in plan.own_numbers(job.drive)
 
 
 def definitions(plan: DrivePlan) -> Iterator[Diagnostic]:

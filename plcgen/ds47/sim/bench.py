@@ -30,7 +30,13 @@ def build_drive(plan: DrivePlan, drive: PlannedDrive, faults: Iterable[Fault] = 
 def used_of(plan: DrivePlan, drive: PlannedDrive) -> list[Use]:
     """What the jobs use of a drive object, but for what it does not have: it answers 00h."""
     uses = (use for job in plan.jobs if job.drive is drive for use in job.own)
-    return [use for use in uses if drive.device.lacks(use.parameter.pnu, drive.object_type) != "surely"]
+    own = plan.own_numbers(drive)
+    return [
+        use
+        for use in uses
+        if drive.device.lacks(use.parameter.pnu, drive.object_type) != "surely"
+        or (use.parameter.pnu in own and drive.device.find(use.parameter.pnu) is None)
+    ]
 
 
 def build_unit(

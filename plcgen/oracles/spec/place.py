@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 Keys = tuple[str | int, ...]
@@ -23,12 +23,14 @@ class SpecPlace:
 class SpecSource:
     """A spec with its includes and variables resolved: ``data`` is plain, ``place`` says where a value stands.
 
-    ``profiles`` are device profiles as plain mappings, by what a spec calls them, with those that they are ``like``.
+    ``profiles`` are device profiles as plain mappings, by what a spec calls them, with those that they are ``like``;
+    ``lists`` are the lines of the lists of parameters that they name.
     """
 
     data: Mapping[str, Any]
     place: Callable[[Keys], SpecPlace]
     profiles: Mapping[str, Mapping[str, Any]]
+    lists: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
 
 def texts(given: Any) -> frozenset[str]:

@@ -59,7 +59,7 @@ def test_what_a_drive_says_of_itself_can_be_imported(tmp_path: Path):
     """21 = 0015h and 2941 = 0B7Dh, then the 0 with which the list ends."""
     numbers = {(980, 1024 + at): bytes.fromhex(data) for at, data in enumerate(("00 15", "0B 7D", "00 00"))}
     with running(DriveServer(numbers)) as where:
-        words = ("r980[0..2]", "--drive", where, "--device", "sinamics-g120")
+        words = ("r650000[0..2]", "--drive", where, "--device", "sinamics-g120")
         (tmp_path / "list.txt").write_text(plcgen("live", "read", *words)[1], "utf-8")
     code, out, err = plcgen("catalogue", "import", str(tmp_path / "list.txt"), "--device", "sinamics-g120", "--json")
     assert (code, err) == (0, "")
@@ -323,7 +323,7 @@ def test_rack_and_slot_of_a_drive():
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("r99",), "there is no type of any device for r99"),
+        (("r65000",), "there is no type of any device for r65000"),
         (("r21[1024]",), "from 0 to 1023"),
         (("P1120:Real99",), "Real99"),
         (("actual_speed",), "names belong to a device"),

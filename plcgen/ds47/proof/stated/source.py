@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from types import FunctionType, MappingProxyType, ModuleType
@@ -30,7 +30,15 @@ def spec_source(loaded: LoadedSpec) -> SpecSource:
         span = loaded.span(keys)
         return SpecPlace(span.file, span.line, span.column)
 
-    return SpecSource(data, place, dict(_profiles(data, Path(loaded.file).parent)))
+    profiles = dict(_profiles(data, Path(loaded.file).parent))
+    named = {str(one["list"]) for profile in profiles.values() for one in profile.get("lists") or ()}
+    return SpecSource(data, place, profiles, {name: _lines(name) for name in named})
+
+
+@lru_cache(maxsize=16)
+def _lines(name: str) -> Sequence[str]:
+    """A list of parameters as it lies there."""
+    return (Path(__file__).resolve().parents[2] / "lists" / f"{name}.tsv").read_text("utf-8").splitlines()
 
 
 @lru_cache(maxsize=1)

@@ -61,8 +61,9 @@ def known_drives(source: SpecSource) -> dict[str, KnownDrive]:
             comments=texts(entry.get("comment")),
             **_room(profile.get("limits") or {}),
         )
-        catalogue = StatedCatalogue(name, source.profiles, entry.get("parameters") or {})
-        found[key] = KnownDrive(stated, catalogue, profile, _object_type(entry, profile, stated.drive_object))
+        type_ = _object_type(entry, profile, stated.drive_object)
+        catalogue = StatedCatalogue(name, source, entry.get("parameters") or {}, type_)
+        found[key] = KnownDrive(stated, catalogue, profile, type_)
     return found
 
 

@@ -7,13 +7,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from plcgen.oracles.spec.ds47.listed import StatedLists
 from plcgen.oracles.spec.ds47.types import SHORT
-from plcgen.oracles.spec.place import NotStatedError
+from plcgen.oracles.spec.place import NotStatedError, SpecSource
 
 _WRITTEN = re.compile(
     r"(?P<name>[A-Za-z_]\w*)(?:\[\s*(?P<first>\d+)\s*(?:\.\.\s*(?P<last>\d+)\s*)?\])?(?:\.(?P<bit>\d+))?"
 )
-_NUMBER = re.compile(r"[PpRr]0*(\d+)")
+_NUMBER = re.compile(r"[PpRrCc]0*(\d+)")
 NEVER_INHERITED = frozenset({"min", "max", "default", "values", "array"})
 """Facts that count only if somebody read them; from a device that this one is ``like`` they are inferred."""
 NUMBER_FACTS = frozenset({"type", "title", "unit", "access", "name", "bico"})
@@ -56,8 +57,12 @@ class WrittenParameter:
 class StatedCatalogue:
     """What is known of the parameters of one drive: its profile, those it is ``like``, and the spec."""
 
-    def __init__(self, device: str, profiles: Mapping[str, Mapping[str, Any]], own: Mapping[str, Any]) -> None:
+    def __init__(self, device: str, source: SpecSource, own: Mapping[str, Any], object_type: str) -> None:
+        profiles = source.profiles
         self.numbers: dict[int, dict[str, Any]] = {}
+        having = next((name for name, one in _chain(device, profiles) if one.get("lists")), device)
+        asked = profiles[having].get("lists") or []
+        self._lists = StatedLists(asked, source.lists, object_type, lent=having != device)
         self.called = [device]
         for step, (name, profile) in reversed(list(enumerate(_chain(device, profiles)))):
             self.called += [name] if step else []
@@ -68,7 +73,7 @@ class StatedCatalogue:
         self.harmless = {number for number, facts in self.numbers.items() if facts.get("harmless")}
         for key, facts in own.items():
             number = _number(str(key))
-            known = self.numbers.setdefault(number, {})
+            known = self.numbers.setdefault(number, self._lists.facts(number))
             letter = _letter(str(key), facts or {}, known)
             known.update({name: value for name, value in (facts or {}).items() if value is not None}, letter=letter)
         self.names = {facts["name"]: number for number, facts in self.numbers.items() if facts.get("name")}
@@ -86,7 +91,7 @@ class StatedCatalogue:
         first = int(match["first"] or 0)
         count = int(match["last"] or first) - first + 1
         bit = int(match["bit"]) if match["bit"] else None
-        known = self.numbers.get(number) or {"letter": "r" if number in DISPLAYS else "P"}
+        known = self.numbers.get(number) or self._lists.facts(number) or {"letter": "r" if number in DISPLAYS else "P"}
         return WrittenParameter(text, number, first, count, indexed, bit, known)
 
 
