@@ -259,7 +259,7 @@ PLAUSIBLE = {
     "no retries, one poll": (
         "retries: 0\n    polls: 1\n    jobs: {a: {station: p, read: [VB0, VW10]}, b: {station: p, write: {VB0: 5}}}"
     ),
-    "a short timeout": "jobs: {a: {station: p, read: [VW0], timeout: 1s}}",
+    "a short timeout": "jobs: {a: {station: p, read: [VW0], timeout: 1200ms}}",
     "a short timeout and a cycle": "jobs: {a: {station: p, read: [VW0], timeout: 2s, cycle: 200ms}}",
 }
 """Specs that somebody would write, and in which nothing is wrong."""

@@ -197,5 +197,5 @@ def test_bits_and_recipes_too(tmp_path: Path) -> None:
     """Every fault in every phase; a word beyond its limits, as a drive may keep one, is written back as it was."""
     (tmp_path / "job.yaml").write_text(KINDS, "utf-8")
     assert api.generate(tmp_path / "job.yaml", tmp_path / "out").ok
-    result = api.verify(tmp_path / "job.yaml", tmp_path / "out", engine=False)
+    result = api.verify(tmp_path / "job.yaml", tmp_path / "out")
     assert [f"{c.subject}: {c.verdict}" for c in result.checks() if c.outcome.value in {"error", "warning"}] == []
