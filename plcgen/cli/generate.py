@@ -51,6 +51,7 @@ def command(
     of date: commit the folder and run this in CI. --diff prints the same diff, with exit code 0.
     """
     from plcgen import api
+    from plcgen.base.diagnostics import has_errors
     from plcgen.cli.specs import find_specs, one_folder
     from plcgen.project.together import same_plc
 
@@ -64,10 +65,13 @@ def command(
         looking = check_only or diff
         with out.progress() as progress:
             result = (
-                api.GenerateResult(spec, target, (), (), (), "", together[spec])
-                if spec in together
+                api.GenerateResult(spec, target, (), (), (), "", ())
+                if has_errors(together.get(spec, ()))
                 else api.generate(spec, target, check_only=looking, force=force, stats=stats, progress=progress)
             )
+        result = dataclasses.replace(
+            result, diagnostics=tuple(dict.fromkeys((*result.diagnostics, *together.get(spec, ()))))
+        )
         if diff and not check_only:
             found = tuple(d for d in result.diagnostics if d.code != STALE)
             result = dataclasses.replace(result, diagnostics=found)

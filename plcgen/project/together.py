@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Note, Report
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Note, Report, Severity
 from plcgen.base.diagnostics.counting import quantity
 from plcgen.base.files.text import read_text
 from plcgen.project.composing import compose
@@ -83,6 +83,8 @@ def _told(project: Project, names: Sequence[_Pair], numbers: Sequence[_Pair]) ->
         f'{other.loaded.file} is for the same PLC "{project.name}" and has the {what} of '
         f"{quantity(len(pairs), 'block')} of this spec: {', '.join(shown)}{more}",
         span(project, block),
+        # in folders of their own they may be machines with a project each, whose PLC has the name of all
+        Severity.ERROR if Path(other.loaded.file).parent == Path(project.loaded.file).parent else Severity.WARNING,
         help=help_,
         notes=(Note(f'the other one: "{theirs.name}"', span(other, theirs)),),
     )

@@ -82,9 +82,9 @@ def test_a_foreign_file_is_not_replaced(work: Path, plcgen: Callable, verb: str)
         assert (refused.code, refused.out) == (1, "")
         assert f"error[PG501]: the file exists, and plcgen did not write it\n --> {name}\n" in refused.err
         assert (work / name).read_bytes() == data
-    assert plcgen(verb, *args, "-o", name, "--force").code in {0, 1}
+    assert plcgen(verb, *args, "-o", name, "--force").code in {0, 1, 2}
     assert (work / name).read_bytes() != data
-    assert plcgen(verb, *args, "-o", "/dev/null").code in {0, 1}
+    assert plcgen(verb, *args, "-o", "/dev/null").code in {0, 1, 2}
     (work / "empty").touch()
     plcgen(verb, *args, "-o", "empty")
     assert (work / "empty").stat().st_size

@@ -303,6 +303,17 @@ def test_specs_for_two_plcs(plcgen, tmp_path, other):
     assert ("PG511" in result.out) == ("cpu" in other["name"])
 
 
+def test_two_folders_with_a_plc_of_one_name(plcgen, tmp_path):
+    """Each may be a project of its own, whose PLC has the name of all: a warning, and both are generated."""
+    _two(tmp_path)
+    (tmp_path / "second").mkdir()
+    (tmp_path / "pump.yaml").rename(tmp_path / "second" / "pump.yaml")
+    result = plcgen("generate", ".")
+    assert result.code == 0
+    assert "warning[PG511]" in result.out + result.err
+    assert (tmp_path / "second" / "pump_generated").is_dir()
+
+
 def test_numbers_of_two_protocols(plcgen, tmp_path):
     """Drives in one spec and a PPI master in another have other names; automatic numbers begin at 470 in both."""
     _two(tmp_path)
