@@ -59,7 +59,7 @@ def test_what_a_drive_says_of_itself_can_be_imported(tmp_path: Path):
     """21 = 0015h and 2941 = 0B7Dh, then the 0 with which the list ends."""
     numbers = {(980, 1024 + at): bytes.fromhex(data) for at, data in enumerate(("00 15", "0B 7D", "00 00"))}
     with running(DriveServer(numbers)) as where:
-        words = ("r650000[0..2]", "--drive", where, "--device", "sinamics-g120")
+        words = ("r980[0..2]", "--drive", where, "--device", "sinamics-g120")
         (tmp_path / "list.txt").write_text(plcgen("live", "read", *words)[1], "utf-8")
     code, out, err = plcgen("catalogue", "import", str(tmp_path / "list.txt"), "--device", "sinamics-g120", "--json")
     assert (code, err) == (0, "")
