@@ -15,6 +15,7 @@ from pathlib import Path
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Note, Report, Span
 from plcgen.base.diagnostics.suggest import Vocabulary
 from plcgen.base.files.files import read_bounded
+from plcgen.base.files.lookalikes import disguise, skeleton
 from plcgen.base.files.text import decoded_list
 from plcgen.ppi.wire.address import PpiAddressError, parse_item
 from plcgen.ppi.wire.model import Item
@@ -27,6 +28,7 @@ _HEADERS = {
     "address": "address", "adresse": "address", "addr": "address", "operand": "address", "地址": "address",
     "comment": "comment", "kommentar": "comment", "注释": "comment",
 }  # fmt: skip
+_ONE_SCRIPT = "write the whole name in the letters of one script, in Micro/WIN too"
 _HELP = "columns are Symbol, Address, Comment, separated by tabs, semicolons or commas"
 
 
@@ -80,10 +82,21 @@ def parse_symbols(text: str, name: str = "<symbols>") -> SymbolTable:
         report.add(Diagnostic("PG717", "no column of addresses was found", Span(name), help=_HELP))
         raise DiagnosticError(report.sorted())
     found: dict[str, PpiSymbol] = {}
+    looks: dict[str, PpiSymbol] = {}
     for number, cells in rows:
         symbol = _symbol(name, number, cells, columns, report)
         if symbol is None:
             continue
+        pretended, twin = disguise(symbol.name), looks.setdefault(skeleton(symbol.name), symbol)
+        if pretended:
+            message = f'the symbol "{symbol.name}" {pretended}'
+            report.add(Diagnostic("PG414", message, _span(name, number, cells[columns[0]]), help=_ONE_SCRIPT))
+        elif twin.name.casefold() != symbol.name.casefold():
+            notes = (Note("the first one is here", Span(name, twin.line, 1)),)
+            message = f'the symbol "{symbol.name}" looks like "{twin.name}" in other letters'
+            report.add(
+                Diagnostic("PG414", message, _span(name, number, cells[columns[0]]), help=_ONE_SCRIPT, notes=notes)
+            )
         first = found.setdefault(symbol.name.casefold(), symbol)
         if first is not symbol and first.item != symbol.item:
             notes = (Note("the first one is here", Span(name, first.line, 1)),)

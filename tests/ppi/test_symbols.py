@@ -70,6 +70,14 @@ def test_every_problem_at_its_place():
     ]
 
 
+def test_names_that_only_letters_of_another_script_tell_apart():
+    """Cyrillic CO beside Latin CO; a Cyrillic P within a Latin word; a name in one script is one."""
+    text = (
+        "Symbol,Address,Comment\nCO,Q0.1,\n\u0421\u041e,Q0.2,\n\u0420ump,Q0.3,\n\u041d\u0430\u0441\u043e\u0441,Q0.4,\n"
+    )
+    assert [(code, line, column) for code, line, column, _ in problems(text)] == [("PG414", 3, 1), ("PG414", 4, 1)]
+
+
 @pytest.mark.parametrize("text", ["", "hello\n", "a;b;c\n1;2;3\n", "\x00\x01\x02"])
 def test_no_symbol_table(text):
     """A file without a column of addresses is refused as a whole."""
