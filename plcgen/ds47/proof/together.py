@@ -425,9 +425,18 @@ def _off(scans: int) -> Callable[[Plant], None]:
         late = frozenset(WORDS[name] for name in ("RETRIES", "TIMEOUT", "NO_PLACE"))
         few = {job.key for job in plant.plan.jobs if job.retries * (job.retry_pause + 10) <= job.timeout // 3 + 1000}
         few |= {job.key for job in plant.plan.jobs if job.timeout // 3 + 2 * (job.retry_pause + 100) >= job.timeout}
+        # a job whose request is lost may keep the unit for its timeout: others wait for it no longer than waitLimit
+        behind = {
+            job.key
+            for jobs in _by_unit(plant.plan)
+            for job in jobs
+            if any(other is not job and other.timeout > job.drive.unit.wait for other in jobs)
+        }
         plant.until(
             lambda job, status: (
-                may_be_unknown(job, status) or (job.key in few and (status in late or tried_to_restore(job, status)))
+                may_be_unknown(job, status)
+                or (job.key in few and (status in late or tried_to_restore(job, status)))
+                or (job.key in behind and status == WORDS["OCCUPIED"])
             ),
             plant.patience + longest,
         )
