@@ -178,18 +178,18 @@ def test_old_values_that_are_restored_may_be_any(tmp_path: Path) -> None:
 def test_what_nobody_has_classified(tmp_path: Path) -> None:
     """A warning, an error with --strict, a line in IMPORT.md and on the review page; a reason answers it there, too."""
     write = "write: [{parameter: P6100, type: Unsigned16, value: 1}]"
-    assert check(tmp_path, "sinamics-s210", write).ok
-    assert codes(check(tmp_path, "sinamics-s210", write)) == ["PG261"]
+    assert check(tmp_path, "sinamics-v90", write).ok
+    assert codes(check(tmp_path, "sinamics-v90", write)) == ["PG261"]
     assert not api.check(tmp_path / "job.yaml", strict=True).ok
     for job, signed in ((write, "no"), (f"{write}, allow: {{P6100: list manual p. 812}}", "list manual p. 812")):
-        assert check(tmp_path, "sinamics-s210", job).ok
+        assert check(tmp_path, "sinamics-v90", job).ok
         assert api.generate(tmp_path / "job.yaml", tmp_path / "out", force=True).ok
         line = f"nobody has classified what a write does; signed off: {signed} |"
         assert line in (tmp_path / "out" / "IMPORT.md").read_text("utf-8")
         review = api.review(tmp_path / "job.yaml", tmp_path / "out")
         (entry,) = review.sheet.writes
         assert (entry.danger, entry.signed or "no") == ("nobody has classified what a write does", signed)
-    assert codes(check(tmp_path, "sinamics-s210", f"{write}, allow: {{P6100: list manual p. 812}}")) == []
+    assert codes(check(tmp_path, "sinamics-v90", f"{write}, allow: {{P6100: list manual p. 812}}")) == []
 
 
 # --- The table -----------------------------------------------------------------------------------------------

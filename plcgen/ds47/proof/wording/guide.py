@@ -141,7 +141,7 @@ def _as_many(shown: Sequence[str], pieces: Sequence[bytes], text: str) -> bool:
 
 
 def _letters(text: str) -> list[str]:
-    return re.findall(r"(?:'(?:\$.|[^'])+'|[^,\s]+)(?=, |$)", text.removesuffix(", .."))
+    return re.findall(r"(?:'(?:\$.|[^'])*'|[^,\s]+)(?=, |$)", text.removesuffix(", .."))
 
 
 def _one_value(use: Use, said: str, piece: bytes) -> bool:
@@ -152,7 +152,8 @@ def _one_value(use: Use, said: str, piece: bytes) -> bool:
         value = int(found["number"]) << 16 | int(found["object"] or SELF) << 10 | int(found["index"])
         return value == int.from_bytes(piece)
     if said.startswith("'"):
-        return len(piece) == 1 and said.strip("'").encode("latin-1", "replace").endswith(piece)
+        letter = said.strip("'") or "\\"  # a text without marks has lost its backslashes
+        return len(piece) == 1 and letter.encode("latin-1", "replace").endswith(piece)
     return same_number(said, use, piece)
 
 
