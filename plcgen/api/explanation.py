@@ -12,12 +12,25 @@ from plcgen.ds47 import hardware
 from plcgen.project.registry import protocols
 
 _NUMBER = re.compile(r"(?:(?:B|W|DW|BYTE|WORD|DWORD)#)?(?:16#|0x|\$)?([0-9a-f_]{1,10})(h?)\Z", re.IGNORECASE)
+_OF_DRIVES = re.compile(r"(?![AFC][0-9]{3}\Z)[FANCPR] *[0-9]|[0-9]{5}\Z", re.IGNORECASE)
+"""What may be a message or a parameter: four hexadecimal digits are a word."""
 _CODE = re.compile(r"PG[0-9]{3}\Z", re.IGNORECASE)
 
 
-def explain_page(key: str) -> Page | None:
-    """Explain ``PG209``, ``0x11`` (DS47 error), ``16#8101`` (status word), ``DF80B500`` (STATUS), ``hardware-id``."""
+def explain_page(key: str, device: str = "") -> Page | None:
+    """Explain ``PG209``, ``0x11`` (DS47 error), ``16#8101`` (status word), ``DF80B500`` (STATUS), ``hardware-id``,
+    ``F30001`` (message), ``r2 = 42`` (parameter); the last two of a device, or of all.
+
+    Raises:
+        DiagnosticError: PG201 if there is no such device.
+    """
     text = key.strip()
+    if _OF_DRIVES.match(text):
+        from plcgen.ds47.lookup import message_page, parameter_page
+
+        page = message_page(text, device) or parameter_page(text, device)
+        if page is not None:
+            return page
     if _CODE.match(text):
         return _diagnostic(text.upper())
     if text.lower() == hardware.SUBJECT:

@@ -83,11 +83,14 @@ def decode_status(value: int) -> Status:
     return explain_status(value)
 
 
-def explain(key: str) -> Page | None:
-    """Explain a diagnostic code, DS47 error number, status word or STATUS; None if it is none of these."""
+def explain(key: str, device: str = "") -> Page | None:
+    """Explain a diagnostic code, DS47 error number, status word, STATUS, message or parameter; None if it is none.
+
+    Messages and parameters are those of a device, or of all. Raises DiagnosticError, PG201, if there is no such device.
+    """
     from plcgen.api.explanation import explain_page
 
-    return explain_page(key)
+    return explain_page(key, device)
 
 
 def encode(spec: Path | str, job: str | None = None) -> EncodeResult:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.completed import codes as completed
-from plcgen.cli.options import console, format_option, verb
+from plcgen.cli.options import console, device_option, format_option, verb
 from plcgen.cli.output import OK, PROBLEMS, error_line, help_line
 
 if TYPE_CHECKING:
@@ -21,16 +21,20 @@ if TYPE_CHECKING:
     "plcgen explain 0x11             an error number in a drive's answer",
     "plcgen explain 16#8401          the status word of a generated block",
     "plcgen explain DF80B500         a STATUS double word of WRREC or RDREC",
+    "plcgen explain F30001           a message of a drive: title, class, reaction, where it lies",
+    "plcgen explain r2=42 r899.2 --device sinamics-s120    a value or bit of a parameter",
     "plcgen explain hardware-id      which identifier or address leads to a drive",
     "plcgen explain --list",
 )
 @click.argument("codes", nargs=-1, metavar="CODE...", shell_complete=completed)
 @click.option("--list", "list_all", is_flag=True, help="List every diagnostic code.")
+@device_option()
 @format_option("answer")
-def command(*, codes: tuple[str, ...], list_all: bool, format_: OutputFormat) -> int:
-    """Explain diagnostic codes, error numbers of a drive, and status words.
+def command(*, codes: tuple[str, ...], list_all: bool, device: str | None, format_: OutputFormat) -> int:
+    """Explain diagnostic codes, error numbers of a drive, status words, messages and parameters.
 
-    Numbers are hexadecimal, in any usual spelling; their length says what they are.
+    Numbers without a letter are hexadecimal, in any usual spelling; their length says what they are. Messages and
+    parameters are those of all devices, or of the one of --device.
     """
     out = console()
     if list_all:
@@ -40,7 +44,7 @@ def command(*, codes: tuple[str, ...], list_all: bool, format_: OutputFormat) ->
     from plcgen import api
     from plcgen.base.display.page import page_answer
 
-    pages = [api.explain(key) for key in codes]
+    pages = [api.explain(key, device or "") for key in codes]
     known = [page_answer(page) for page in pages if page is not None]
     if known:
         out.result("\n".join(format_.render("answer", page, out.view()) for page in known))
@@ -55,7 +59,9 @@ def _unknown(key: str) -> None:
     from plcgen.base.diagnostics.suggest import did_you_mean
     from plcgen.base.display.cells import clean
 
-    error_line(f'"{clean(key)[:60]}" is not a plcgen code, an error number or a status word', "PG703")
+    error_line(
+        f'"{clean(key)[:60]}" is not a plcgen code, an error number, a status word, a message or a parameter', "PG703"
+    )
     help_line(did_you_mean(key, known_keys()) or "plcgen explain --list")
 
 

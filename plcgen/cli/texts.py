@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from plcgen.cli.convert import is_culture
-from plcgen.cli.options import PATH, console, tia_option, verb
+from plcgen.cli.options import PATH, console, device_option, tia_option, verb
 from plcgen.cli.output import OK
 from plcgen.ds47.wire.errors import TABLES, Table
 
@@ -20,6 +20,7 @@ DEFAULT = ("en-US", "de-DE", "zh-CN")
     "plcgen texts",
     "plcgen texts --language de-DE --language zh-CN --format xlsx --format csv",
     "plcgen texts --format xml --tia V19 --errors profidrive -o hmi",
+    "plcgen texts --device sinamics-g120c",
 )
 @click.option(
     "--language", "languages", multiple=True, metavar="TAG", help="A language.  [default: en-US, de-DE, zh-CN]"
@@ -35,10 +36,18 @@ DEFAULT = ("en-US", "de-DE", "zh-CN")
     show_default=True,
     help="Error numbers: with those of SINAMICS, or only what PROFIdrive says.",
 )
+@device_option("Device whose faults and alarms become text lists, too; their titles are in English.")
 @click.option("-o", "--out", "folder", type=PATH, default=Path("texts"), show_default=True, metavar="DIR")
 @click.option("--force", is_flag=True, help="Overwrite files that exist.")
 def command(
-    *, languages: tuple[str, ...], formats: tuple[str, ...], version: str, errors: Table, folder: Path, force: bool
+    *,
+    languages: tuple[str, ...],
+    formats: tuple[str, ...],
+    version: str,
+    errors: Table,
+    device: str | None,
+    folder: Path,
+    force: bool,
 ) -> int:
     """Write text lists for an HMI: status words and error numbers of drive jobs, fault classes of PROFIdrive.
 
@@ -47,6 +56,7 @@ def command(
     """
     from plcgen.build.text_lists import WRITERS
     from plcgen.build.writing import add_files
+    from plcgen.ds47.devices import find_device
     from plcgen.ds47.hmi.lists import LANGUAGES, text_lists
 
     cultures = tuple(dict.fromkeys(languages)) or DEFAULT
@@ -55,7 +65,10 @@ def command(
             raise click.BadParameter(
                 f'"{tag}" is not available: use en-US, de-DE, zh-CN or the like', param_hint="--language"
             )
-    lists = text_lists(cultures, errors)
+    families = find_device(device).messages if device else ()
+    if device and not families:
+        raise click.BadParameter(f"no list of the messages of {device} is known", param_hint="--device")
+    lists = text_lists(cultures, errors, families)
     files = [file for name in dict.fromkeys(formats or ("xlsx",)) for file in WRITERS[name](lists, cultures, version)]
     done = add_files(files, folder, force=force)
     console().say(f"{folder}: {len(done.written)} written, {len(done.unchanged)} unchanged")

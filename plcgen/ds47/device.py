@@ -237,6 +237,7 @@ class Device:
     like: str = field(default="", compare=False)
     object_types: ObjectTypes | None = None
     lists: tuple[DeviceList, ...] = ()
+    messages: tuple[str, ...] = ()
 
     def find(self, pnu: int, object_type: str = "") -> Parameter | None:
         """What is known of a number: the profile's own row, else what lists say of it for a type of drive object, or
@@ -247,6 +248,18 @@ class Device:
         said = usual or _listed(self.lists, pnu, object_type)
         own = self.parameters.get(pnu)
         return said if own is None else _bounded(own, said) if said is not None else own
+
+    def search(self, text: str) -> list[Parameter]:
+        """Parameters by number whose titles have every word of a text, in the catalogue and in the lists."""
+        words = text.split()
+        own = {
+            pnu
+            for pnu, one in self.parameters.items()
+            if all(word.casefold() in one.title.casefold() for word in words)
+        }
+        listed = {pnu for one in self.lists for pnu in lists.search(one.name, words)}
+        found = (self.find(pnu) for pnu in sorted(own | listed))
+        return [one for one in found if one is not None]
 
     def example(self) -> str:
         """A parameter that the catalogue of this device has; P1120 if it has none."""

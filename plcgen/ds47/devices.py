@@ -98,7 +98,8 @@ def read_profile(path: Path, key: str) -> Device:
     lent = {pnu: _lent(one, base) for pnu, one in base.parameters.items()}
     own = {pnu: _guarded(one, lent.get(pnu)) for pnu, one in device.parameters.items()}
     lists = tuple(replace(one, grade="inferred", whole=False) for one in base.lists)
-    return replace(device, like=model.like, parameters={**lent, **own}, lists=device.lists or lists)
+    said = device.messages or base.messages
+    return replace(device, like=model.like, parameters={**lent, **own}, lists=device.lists or lists, messages=said)
 
 
 def _guarded(one: Parameter, lent: Parameter | None) -> Parameter:

@@ -23,6 +23,7 @@ from pydantic import (
 from plcgen.base.files.printed import Line, Name, Value
 from plcgen.base.files.validation import FileShape, Problems, StrictModel, problem
 from plcgen.ds47 import guards, lists
+from plcgen.ds47 import messages as known_messages
 from plcgen.ds47.device import (
     UNKNOWN,
     Device,
@@ -295,6 +296,7 @@ class DeviceProfile(StrictModel):
     )
     sources: dict[Name, Line] = Field(default_factory=dict, description="sources by a short name, for parameters")
     lists: tuple[ProfileList, ...] = Field((), description="whole lists of parameters that it has")
+    messages: tuple[known_messages.Family, ...] = Field((), description="families whose messages it has")
     parameters: dict[ParameterNumber, ParameterEntry] = Field(default_factory=dict, description="the catalogue")
 
     @field_validator("like")
@@ -355,6 +357,7 @@ class DeviceProfile(StrictModel):
             error_table=self.error_table,
             object_types=None if self.object_types is None else _object_types(self.object_types),
             lists=tuple(one.known() for one in self.lists),
+            messages=self.messages,
             parameters={found.pnu: found for found in itertools.starmap(self._parameter, self.parameters.items())},
         )
 

@@ -114,3 +114,20 @@ def test_other_languages_are_refused(plcgen, tag):
     """There is no text in them."""
     told = plcgen("texts", "--language", tag)
     assert (told.code, "en-US, de-DE, zh-CN" in told.err) == (2, True)
+
+
+def test_an_hmi_gets_the_titles_of_a_device(plcgen, tmp_path):
+    """Faults and alarms are two lists, since one number can be both; both titles stand where the kinds of CU differ."""
+    plcgen("texts", "--device", "sinamics-g120", "--format", "csv", "--language", "en-US", "-o", tmp_path / "hmi")
+    with (tmp_path / "hmi" / "text_lists.csv").open(encoding="utf-8-sig", newline="") as file:
+        rows = list(csv.DictReader(file, delimiter=";"))
+    texts = {(row["list"], int(row["value"])): row["en-US"] for row in rows}
+    assert texts["DriveFaults", 30001] == "F30001 Power unit: Overcurrent"
+    assert texts["DriveAlarms", 7012] == "A07012 Drive: Motor temperature model 1/3 overtemperature"
+    assert texts["DriveAlarms", 3505] == "A03505 Analog input wire breakage", "F03505 can be set to an alarm"
+    assert len(texts) == len(rows)
+    assert texts["DriveJobStatus", 0x8401]
+    done = plcgen("texts", "--device", "sinamics-v90", "-o", tmp_path / "none")
+    assert done.code == 2
+    assert "no list of the messages of sinamics-v90 is known" in done.err
+    assert not (tmp_path / "none").exists()

@@ -104,7 +104,7 @@ def _count(name: str) -> tuple[int, ...]:
     device = find_device(name)
     known = device.parameters.values()
     some = sum(any(one.read(fact) for fact in pages.facts(one) if fact != "access") for one in known)
-    return (len(known), some, *(pages.counts(device)[grade] for grade in pages.GRADES), sum(not p.type for p in known))
+    return (len(known), some, *(pages.counts(known)[grade] for grade in pages.GRADES), sum(not p.type for p in known))
 
 
 def test_what_another_device_lends_decides_nothing() -> None:
@@ -271,3 +271,15 @@ def test_pages_know_danger_and_what_a_drive_had() -> None:
         "moves a torque limit: one of the wrong sign accelerates the motor"
     )
     assert isinstance(find_device("sinamics-dcm").parameters[50303], Parameter)
+
+
+def test_parameters_are_found_by_words_of_their_titles() -> None:
+    """As the list of G220 prints them: r0035 is the motor temperature, whose title has both words in any case."""
+    device = find_device("sinamics-g220")
+    found = {one.pnu: one.title for one in device.search("TEMPERATURE motor")}
+    assert found[35] == "Motor temperature"
+    assert all("motor" in title.lower() and "temperature" in title.lower() for title in found.values())
+    assert device.search("no such words") == []
+    assert 1120 in {one.pnu for one in find_device("sinamics-g120").search("ramp")}
+    page = pages.parameter_page(device, device.find(899))
+    assert ".2   Operation enabled (No/Yes)" in dict(page.sections)["Bits (0/1)"]

@@ -156,7 +156,6 @@ def test_preview() -> None:
     """What is new, what was not read before; what agrees with a read fact is no change."""
     changes = {(one.parameter, one.fact): (one.known, one.grade, one.listed) for one in merged(STARTER).changes}
     assert changes == {
-        ("P840", "array"): ("n", "inferred", "1"),
         ("P1120", "array"): ("n", "inferred", "2"),
         ("P1120", "min"): ("0", "recalled", "0"),
         ("P1120", "max"): ("999999", "recalled", "999999"),
@@ -170,6 +169,40 @@ def test_values_are_observed_and_limits_are_read() -> None:
     assert (found[1120].maximum, found[1120].default, found[1120].observed) == (999999.0, 10.0, 12.5)
     assert (found[2940].type, found[2940].default, found[2940].observed) == ("", None, 0.0)
     assert found[1120].source.startswith("parameter list list.csv; TIA Portal")
+
+
+def test_one_index_is_not_the_number_of_indexes() -> None:
+    """A list that shows r945[0] alone says that there is one at least; r945 has 64 (lists of all families)."""
+    text = "Parameter;Parameter text\nr945[0];Fault code\np1120[0];Ramp-up time\np29000[0];Own\np29001[3];Own\n"
+    found = merged(text).device.parameters
+    base = find_device("sinamics-g120").parameters
+    assert (found[945].array, found[945].indexes) == (base[945].array, base[945].indexes)
+    assert (found[1120].array, found[1120].indexes) == (base[1120].array, base[1120].indexes)
+    assert found[29000].array is None
+    assert found[29001].array == 4
+
+
+def test_a_data_type_of_the_list_counts() -> None:
+    """The list is of the drive itself; r948, which lists print as Unsigned32, is a TimeDifference on the wire."""
+    text = "Parameter;Data type;Minimum\np1300;Integer32;-70000\nr948;Unsigned32;\np29000;FloatingPoint32;0.5\n"
+    result = merged(text)
+    assert not result.skipped
+    found = result.device.parameters
+    assert (found[1300].type, found[1300].minimum) == ("Integer32", -70000)
+    assert found[948].type == "TimeDifference"
+    assert (found[29000].type, found[29000].minimum) == ("FloatingPoint", 0.5)
+    assert ("P1300", "type", "Integer32") in [(one.parameter, one.fact, one.listed) for one in result.changes]
+
+
+def test_the_letter_c_is_a_parameter() -> None:
+    """Lists of G220, S210 and S200 print sinks with a fixed value as c0840; they can be written."""
+    result = merged(
+        "Parameter;Parameter text;Data type\nc0840[0];ON / OFF (OFF1);Unsigned8\nc29000;Own;Unsigned8\n",
+        "sinamics-g220",
+    )
+    assert not result.skipped
+    assert result.device.parameters[29000].access == "rw"
+    assert result.device.parameters[840].type == "Unsigned8"
 
 
 def test_guards_are_not_lifted() -> None:

@@ -12,7 +12,7 @@ import struct
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from plcgen.ds47 import lists
+from plcgen.ds47 import lists, messages
 from plcgen.ds47.types import read_type
 from plcgen.ds47.wire import formats
 from plcgen.ds47.wire.formats import FormatValueError
@@ -95,6 +95,50 @@ def text(path: Path) -> str:
     return "\n".join([head, "\t".join(lists.COLUMNS), *("\t".join(one).rstrip("\t") for one in rows), ""])
 
 
+GROUPS = {"cu230p": "CU230P", "cu240": "CU240", "cu250s": "CU250S", "g110m": "CU_G110M", "g115d": "G115D",
+          "g120c": "G120C", "g120x": "G120X", "vector": r"VECTOR(_G)?\Z", "servo": r"SERVO\Z", "a_inf": r"[ASB]_INF\Z",
+          "dc_ctrl": r"DC_CTRL\Z"}  # fmt: skip
+"""How the lists of messages print the drive objects of a family, or how these names begin."""
+OF_LIST = {"messages_vector": {"vector", "dc_ctrl"}, "messages_servo": {"servo"}, "messages_a_inf": {"a_inf"},
+           "messages_g120": {"cu230p", "cu240", "cu250s", "g110m", "g115d", "g120c", "g120x"}}  # fmt: skip
+"""Families for which a list speaks: what it says of the objects of other lists stands there. DC_CTRL has none."""
+
+
+def families(name: str, objects: str) -> set[str]:
+    """Families of a message: by the list, or by its drive objects where one list has several families."""
+    if name not in OF_LIST:
+        return {name.removeprefix("messages_")}
+    named = {family for family in OF_LIST[name] if any(re.match(GROUPS[family], one) for one in objects.split(", "))}
+    everywhere = objects == "All objects" or (not objects and OF_LIST[name])
+    return OF_LIST[name] if everywhere else named
+
+
+def messages_text(folder: Path) -> str:
+    """The table of messages: a line for each meaning that a number has, with the families that give it this one."""
+    found: dict[tuple[str, ...], set[str]] = {}
+    sources = {}
+    for path in sorted(folder.glob("messages_*.tsv")):
+        with path.open(encoding="utf-8") as file:
+            head = file.readline()
+        name = next((f"messages_{one}" for of, one in BY_PACKAGE.items() if of.replace("pa", "al") in head), path.stem)
+        listed = re.search(r"list (\w+)", head)
+        for row in read_rows(path):
+            where = families(name, row["objects"])
+            sources |= dict.fromkeys(where, listed[1] if listed else "")
+            key = (
+                str(int(row["number"])),
+                row["kind"],
+                row["also"].replace(",", ""),
+                " ".join(row["title"].split()),
+                row["class"],
+            )
+            found.setdefault((*key, row["reaction"], row["acknowledge"]), set()).update(where)
+    head = ", ".join(f"{family}={sources[family]}" for family in sorted(sources))
+    rows = sorted((int(key[0]), key[1:], " ".join(sorted(where))) for key, where in found.items() if where)
+    lines = ["\t".join((str(number), *rest, where)) for number, rest, where in rows]
+    return "\n".join([f"# {head}", "\t".join(messages.COLUMNS), *lines, ""])
+
+
 def report(folder: Path, *, save: bool) -> Iterator[str]:
     """How many parameters each list has; ``save`` writes the files."""
     for path in sorted(folder.glob("*.tsv")):
@@ -105,3 +149,7 @@ def report(folder: Path, *, save: bool) -> Iterator[str]:
         if save:
             (lists.FOLDER / f"{name}.tsv").write_text(made, "utf-8", newline="\n")
         yield f"lists: {name:18} {made.count(chr(10)) - 2:5} parameters"
+    made = messages_text(folder)
+    if save:
+        messages.TABLE.write_text(made, "utf-8", newline="\n")
+    yield f"lists: {'messages':18} {made.count(chr(10)) - 2:5} meanings"

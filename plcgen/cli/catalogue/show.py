@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     "show",
     "plcgen catalogue show P1120 --device sinamics-g120",
     "plcgen catalogue show ramp_up_time r945 --device sinamics-s120",
+    'plcgen catalogue show "motor temperature" --device sinamics-s120',
     "plcgen catalogue show --device sinamics-s120 --draw 10 --seed 1",
 )
 @click.argument("parameters", nargs=-1, metavar="[PARAMETER...]")
@@ -33,7 +34,10 @@ if TYPE_CHECKING:
 @click.option("--seed", type=int, default=0, help="Seed of the draw.  [default: 0]")
 @format_option("answer")
 def command(*, parameters: tuple[str, ...], device: str, draw: int | None, seed: int, format_: OutputFormat) -> int:
-    """Show what the catalogue knows about the parameters of a device: all, or those given by number or name."""
+    """Show what the catalogue knows about the parameters of a device.
+
+    All of the profile, those given by number or name, or a list of those that have a text in their titles.
+    """
     if draw is not None and parameters:
         raise click.UsageError("--draw chooses the parameters: do not name any")
     from plcgen.ds47.catalogue import pages
@@ -43,33 +47,40 @@ def command(*, parameters: tuple[str, ...], device: str, draw: int | None, seed:
     if draw is not None:
         return console().answer(format_, _drawn(pages.draw(found, draw, seed)))
     if not parameters:
-        return console().answer(format_, _list(found))
-    chosen, missing = _find(found, parameters)
+        return console().answer(format_, _list(found, [found.parameters[pnu] for pnu in sorted(found.parameters)]))
+    chosen, missing, searched = _find(found, parameters)
     known = {ARGUMENTS: " ".join(parameters)}
-    return console().answer(format_, _details(found, chosen, missing), known=known)
+    answer = _list(found, chosen, missing) if searched else _details(found, chosen, missing)
+    return console().answer(format_, answer, known=known)
 
 
-def _find(device: Device, words: tuple[str, ...]) -> tuple[list[Parameter], tuple[Diagnostic, ...]]:
-    """Parameters by number or name; a number that is not there is not guessed at."""
+def _find(device: Device, words: tuple[str, ...]) -> tuple[list[Parameter], tuple[Diagnostic, ...], bool]:
+    """Parameters by number, name, or a text in their titles, and whether there was such a text.
+
+    A number that is not there is not guessed at.
+    """
     from plcgen.base.diagnostics.suggest import did_you_mean
     from plcgen.cli.arguments import arguments
     from plcgen.ds47.references import parse_reference
 
-    chosen: list[Parameter] = []
+    chosen: dict[int, Parameter] = {}
     missing: list[Diagnostic] = []
+    searched = False
     names = [one.name for one in device.parameters.values() if one.name]
     for word in arguments(words):
         reference = parse_reference(word.text)
         number = reference.pnu if reference is not None else None
         one = device.by_name(word.text) if number is None else device.find(number)
-        if one is not None:
-            chosen.append(one)
-        else:
+        found = [one] if one is not None else device.search(word.text) if number is None else []
+        searched = searched or (one is None and bool(found))
+        chosen |= {each.pnu: each for each in found}
+        if not found:
             hint = "" if number is not None else did_you_mean(word.text, names)
             help_ = hint or f"plcgen catalogue show --device {device.key}"
-            message = f'"{word.text}" is not in the catalogue of {device.key}'
+            what = "is not" if number is not None else "is neither a name nor in a title"
+            message = f'"{word.text}" {what} in the catalogue of {device.key}'
             missing += word.problem("PG703", message, help_).diagnostics
-    return chosen, tuple(missing)
+    return list(chosen.values()), tuple(missing), searched
 
 
 def _details(device: Device, found: Sequence[Parameter], missing: tuple[Diagnostic, ...]) -> Answer:
@@ -100,23 +111,22 @@ def _drawn(found: Sequence[Parameter]) -> Answer:
     return Answer(shown, lambda _view: text)
 
 
-def _list(device: Device) -> Answer:
-    from plcgen.base.display.data import head
+def _list(device: Device, found: Sequence[Parameter], missing: tuple[Diagnostic, ...] = ()) -> Answer:
+    from plcgen.base.display.data import diagnostics_data
     from plcgen.base.display.results import Answer
     from plcgen.base.display.table import text_table
     from plcgen.ds47.catalogue import pages
 
-    found = [device.parameters[pnu] for pnu in sorted(device.parameters)]
     header = ("parameter", "type", "type is", "unit", "name", "title")
     rows = [
         (pages.label(p), p.type or "unknown", p.grades.get("type", "unknown"), p.unit, p.name, p.title) for p in found
     ]
-    count = pages.counts(device)
+    count = pages.counts(found)
     told = ", ".join(f"{count[grade]} {grade}" for grade in pages.GRADES)
     text = "\n".join(text_table(header, rows, indent=0)) + f"\n\n{quantity(len(found), 'parameter')}; facts: {told}\n"
     shown = {
-        **head("catalogue", ok=True),
+        **diagnostics_data("catalogue", missing),
         "facts": {grade: count[grade] for grade in pages.GRADES},
         "parameters": [pages.data(device, one) for one in found],
     }
-    return Answer(shown, lambda _view: text)
+    return Answer(shown, lambda _view: text, missing)

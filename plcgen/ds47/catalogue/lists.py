@@ -38,9 +38,9 @@ _COLUMNS = {
     "value": ("value", "wert", "actual value", "istwert"),
 }
 _VALUE = re.compile(r"(online|offline)[ -]?(value|wert)")
-_PARAMETER = re.compile(r"([PpRr])0*([1-9][0-9]{0,4})(?:\[([0-9]{1,5})\])?\Z")
-_BIT = re.compile(r"[PpRr][0-9]{1,5}(?:\[[0-9]{1,5}\])?\.[0-9]{1,2}\Z")
-_MEANT = re.compile(r"[PpRr]? *[0-9]+ *(?:\[.*|\..*)?\Z")
+_PARAMETER = re.compile(r"([PpRrCc])0*([1-9][0-9]{0,4})(?:\[([0-9]{1,5})\])?\Z")
+_BIT = re.compile(r"[PpRrCc][0-9]{1,5}(?:\[[0-9]{1,5}\])?\.[0-9]{1,2}\Z")
+_MEANT = re.compile(r"[PpRrCc]? *[0-9]+ *(?:\[.*|\..*)?\Z")
 """What is meant as a parameter; everything else in that column is a heading of a group."""
 _NUMBERS = {"min": "minimum", "max": "maximum", "value": "value"}
 
@@ -187,7 +187,7 @@ def _listed(texts: Mapping[str, str], line: int, decimal: str, skipped: list[str
     match = _PARAMETER.match(name)
     if match is None or int(match[2]) > 0xFFFF:
         if _MEANT.match(name):
-            skipped.append(f"line {line}: {cell_text(name)} is no parameter: p or r and a number up to 65535")
+            skipped.append(f"line {line}: {cell_text(name)} is no parameter: p, r or c and a number up to 65535")
         return None
     index = None if match[3] is None else int(match[3])
     numbers = {key: _number(texts.get(key, ""), decimal) for key in _NUMBERS}

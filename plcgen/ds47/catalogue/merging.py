@@ -20,6 +20,8 @@ from plcgen.ds47.wire.formats import Format, FormatKind, FormatValueError
 NEW = "new"
 _LIST_TYPES = {"floatingpoint32": "FloatingPoint"}
 """How lists call a type that has another name on the wire."""
+NOT_ON_WIRE = {948, 965}
+"""Numbers whose type in lists is another one than in a drive's answer (manuals of S120; LAcycCom reads them so)."""
 _NUMERIC = {FormatKind.SIGNED, FormatKind.UNSIGNED, FormatKind.FLOAT}
 
 
@@ -83,9 +85,12 @@ def _stated(base: Parameter, one: ListedParameter, skipped: list[str]) -> Iterat
         yield "title", one.title
     if one.unit:
         yield "unit", one.unit
-    if one.indexes is not None and (one.indexes > 1 or base.array is not None or base.indexes):
-        yield "array", one.indexes
-    fmt = read_type(base.type)[0] if base.type else None
+    if one.indexes is not None and one.indexes > max(base.array or 1, 1):
+        yield "array", one.indexes  # the highest index that a list shows is the least that there is
+    type_ = _type(one)
+    if type_ and one.pnu not in NOT_ON_WIRE:
+        yield "type", type_
+    fmt = read_type(type_ or base.type)[0] if type_ or base.type else None
     low, high = one.minimum, one.maximum
     if low is not None and high is not None and low > high:
         skipped.append(f"line {one.line}: {_called(one)} has a minimum above its maximum")
@@ -128,13 +133,15 @@ def _laid_over(base: Parameter, one: ListedParameter, stated: Mapping[Fact, Any]
     grades: dict[Fact, Grade] = {**base.grades, **dict.fromkeys(stated, "read")}
     if base.type and not base.grades:
         grades |= {"type": "read", "access": "read", "array": grades.get("array", "inferred")}
-    fmt = read_type(base.type)[0] if base.type else None
+    type_ = stated.get("type", base.type)
+    fmt = read_type(type_)[0] if type_ else None
     observed = base.observed if one.value is None else _fitting(fmt, one.value)
     low, high = stated.get("min", base.minimum), stated.get("max", base.maximum)
     doubted = {fact: value for fact, value in base.doubted.items() if fact not in stated}
     cited = cell_text(source if not base.source or base.source.startswith(source) else f"{source}; {base.source}")
     return replace(
         base,
+        type=stated.get("type", base.type),
         title=stated.get("title", base.title),
         unit=stated.get("unit", base.unit),
         array=stated.get("array", base.array),
@@ -189,6 +196,8 @@ def profile_text(device: Device) -> str:
         }
     if device.lists:
         head["lists"] = [_of_list(one) for one in device.lists]
+    if device.messages:
+        head["messages"] = list(device.messages)
     lines = [f"{key}: {_flow(value)}" for key, value in head.items()]
     rows = [f"  {_key(one)}: {_flow(_row(one))}" for _, one in sorted(device.parameters.items())]
     return "\n".join([*lines, "parameters:" if rows else "parameters: {}", *rows]) + "\n"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, get_args
 
 from plcgen.base.display.page import Page
@@ -13,9 +13,9 @@ from plcgen.ds47.device import DECIDING, Device, Fact, Grade, Parameter, facts
 GRADES: tuple[Grade, ...] = get_args(Grade)
 
 
-def counts(device: Device) -> Counter[Grade]:
-    """Facts of a device by grade; without the access, which the letter of a number says."""
-    known = (facts(one) for one in device.parameters.values())
+def counts(parameters: Iterable[Parameter]) -> Counter[Grade]:
+    """Facts of parameters by grade; without the access, which the letter of a number says."""
+    known = (facts(one) for one in parameters)
     return Counter(grade for one in known for fact, (_, grade) in one.items() if fact != "access")
 
 
@@ -33,6 +33,11 @@ def parameter_page(device: Device, parameter: Parameter) -> Page:
         sections.append(("Type", "unknown: a job must give it, {parameter: .., type: ..}"))
     if names:
         sections.append((f"Names of values ({how})", told_value(names)))
+    bits = {
+        bit: name for one in device.lists for row in one.rows(parameter.pnu) for bit, name in row.names("bits").items()
+    }
+    if bits:
+        sections.append(("Bits (0/1)", "\n".join(f".{bit:<3} {name}" for bit, name in sorted(bits.items()))))
     if parameter.observed is not None:
         sections.append(("Seen in a drive", f"{parameter.observed}, which is not a factory setting"))
     danger = device.danger(parameter.pnu) if "w" in parameter.access else ""

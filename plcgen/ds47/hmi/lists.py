@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from plcgen.build.text_lists import TextEntry, TextList
+from plcgen.ds47.messages import all_messages
 from plcgen.ds47.wire.errors import Table, error_text, known_numbers
 from plcgen.ds47.wire.formats import FORMATS
 from plcgen.ds47.words import STATUS_WORDS
@@ -19,6 +20,8 @@ from plcgen.ds47.words import STATUS_WORDS
 LANGUAGES = ("en", "de", "zh")
 """Languages with a text for everything."""
 _ANSWERED, _CAME = 0x8000, 0x8100
+_BUFFERS = {"DriveFaults": "F", "DriveAlarms": "A"}
+"""Lists for the numbers of a buffer (r945, r2122), and the kind of message that it holds."""
 _DIAGNOSIS = 0x9000
 """First fault class in the channel diagnosis of PROFINET."""
 
@@ -31,15 +34,17 @@ def translations() -> Mapping[str, Any]:
             for name, table in tables.items()}  # fmt: skip
 
 
-def text_lists(cultures: Sequence[str], errors: Table = "sinamics") -> list[TextList]:
+def text_lists(cultures: Sequence[str], errors: Table = "sinamics", families: Sequence[str] = ()) -> list[TextList]:
     """The three lists, in these cultures; one of a language without texts has the English ones.
 
-    ``errors`` is the table of error numbers that the device has.
+    ``errors`` is the table of error numbers that the device has; with the ``families`` of its messages come two lists
+    more, DriveFaults and DriveAlarms, whose titles are in English alone.
     """
     return [
         _list("DriveJobStatus", cultures, _status()),
         _list("DriveJobErrors", cultures, _errors(errors)),
         _list("DriveFaultClasses", cultures, _classes()),
+        *(_list(name, cultures, _messages(kind, families)) for name, kind in _BUFFERS.items() if families),
     ]
 
 
@@ -49,6 +54,16 @@ def _list(name: str, cultures: Sequence[str], rows: Iterator[tuple[int, Mapping[
         for value, texts in rows
     ]
     return TextList(name, sorted(entries, key=lambda entry: entry.value))
+
+
+def _messages(kind: str, families: Sequence[str]) -> Iterator[tuple[int, Mapping[str, str]]]:
+    """What a number in a buffer stands for; where families or kinds of a device differ, each title."""
+    titles: dict[int, dict[str, None]] = {}
+    for one in all_messages(families):
+        if kind in {one.kind, *one.also}:
+            titles.setdefault(one.number, {})[one.title] = None
+    for number, each in titles.items():
+        yield number, {"en": f"{kind}{number:05} {' / '.join(each)}"}
 
 
 def _status() -> Iterator[tuple[int, Mapping[str, str]]]:

@@ -80,6 +80,13 @@ def _number(text: str) -> float:
     return float(text) if "." in text or "e" in text else int(text)
 
 
+def search(name: str, words: Sequence[str]) -> list[int]:
+    """The numbers of a list whose titles have all of some words, or parts of words, in the order of the list."""
+    lines = _text(name).splitlines()[3:]
+    rows = (line.split("\t", 4) for line in lines)
+    return [int(row[0]) for row in rows if all(word.casefold() in row[3].casefold() for word in words)]
+
+
 def find(name: str, number: int) -> Sequence[Listed]:
     """What a list says of a number; empty if it does not have it."""
     text, found = _text(name), []
