@@ -9,7 +9,7 @@ READY := $(VENV)/.ready
 unexport PYTHONDONTWRITEBYTECODE
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
-.PHONY: demo test fast coverage lint hostile bench pairs engine mutate deletions beliefs damages examples example-diff docs site pictures lock clean
+.PHONY: demo test fast coverage lint hostile bench house pairs engine mutate deletions beliefs damages examples example-diff docs site pictures lock clean
 
 demo: $(READY)
 	$(BIN)/plcgen demo .demo
@@ -36,6 +36,10 @@ hostile: $(READY)
 
 bench: $(READY)
 	$(BIN)/python -m tests.bench
+
+# How large the package is: lines, small files, functions that are used once, circles.
+house: $(READY)
+	$(BIN)/python -m tests.bench.house
 
 # Specs in which every possible pair of values of every two keys occurs: each works, or is refused for the reason that is known.
 pairs: $(READY)

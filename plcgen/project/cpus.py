@@ -53,7 +53,8 @@ class RecordJobLimit:
 
 @dataclass(frozen=True, slots=True)
 class CpuType:
-    """A CPU type. ``work`` is work memory for code and data in bytes; S7-400 and S7-1500 have one for each instead.
+    """A CPU type. ``work`` is work memory for code and data in bytes; S7-400 and S7-1500 have one for each instead,
+    of which only that for data is known for the S7-1500: nobody estimates its code.
 
     ``blocks`` is how many blocks there can be, ``counts`` how many of a kind (FB, DB), ``numbers`` which numbers they
     have. ``block_size`` and ``db_size`` are the bytes of the largest code block and DB with standard access.

@@ -29,7 +29,7 @@ class ProgramSize:
     def share(self) -> int | None:
         """Percent of the CPU's work memory, of the fuller one if code and data have one each; None if not known."""
         shares = [100 * used // fact.value for _, used, fact in self._memories()]
-        return max(shares, default=None)
+        return max(shares, default=None) if self.estimate.classic else None
 
     def _memories(self) -> Iterator[tuple[str, int, CpuFact]]:
         cpu, size = self.cpu, self.estimate
@@ -38,10 +38,10 @@ class ProgramSize:
         memories = (
             ("", size.total, cpu.work),
             (" of code", size.code, cpu.work_code),
-            (" of data", size.data, cpu.work_data),
+            (" of data", size.data, cpu.work_data if size.classic else cpu.work_data or cpu.work),
         )
         for what, used, fact in memories:
-            if fact is not None:
+            if fact is not None and used is not None:
                 yield what, used, fact
 
     def text(self) -> str:
@@ -49,11 +49,11 @@ class ProgramSize:
         size = self.estimate
         blocks = ", ".join(quantity(size.count(kind), kind) for kind in ("FB", "FC", "DB") if size.count(kind))
         share = "" if self.cpu is None or self.share is None else f", {self.share} % of a CPU {self.cpu.name}"
-        coarse = " (coarse)" if size.coarse else ""
         idle = "" if self.idle_statements is None else f"; an idle scan runs {self.idle_statements:,} statements"
-        return (
-            f"{size.lines:,} lines of SCL, {blocks}, about {kilobytes(size.total)} of work memory{coarse}{share}{idle}"
-        )
+        memory = f"{kilobytes(size.data)} in data blocks"
+        if size.total is not None:
+            memory = f"about {kilobytes(size.total)} of work memory"
+        return f"{size.lines:,} lines of SCL, {blocks}, {memory}{share}{idle}"
 
     def data(self) -> dict[str, Any]:
         """The same for programs."""
@@ -65,6 +65,7 @@ class ProgramSize:
         cpu = self.cpu
         if cpu is None:
             return
+        about = "about " if self.estimate.classic else ""  # the bytes of data blocks alone are no estimate
         for what, limit, sizes in (
             ("code of", cpu.block_size, [(block.code, block) for block in self.estimate.blocks]),
             ("data of", cpu.db_size, [(block.data, block) for block in self.estimate.blocks]),
@@ -73,14 +74,13 @@ class ProgramSize:
             if limit is not None and over:
                 size, block = max(over, key=lambda found: found[0])
                 others = f", and {len(over) - 1} more" if len(over) > 1 else ""
-                message = f'about {kilobytes(size)} {what} {block.kind} "{block.name}"{others}: '
+                message = f'{about}{kilobytes(size)} {what} {block.kind} "{block.name}"{others}: '
                 message += f"a CPU {cpu.name} takes {kilobytes(limit.value)} in a block{limit.remark}"
                 help_ = "split the job or the array, or use another CPU"
                 yield Diagnostic("PG412", message, place, Severity.WARNING, help=help_)
         for what, used, fact in self._memories():
             if used > fact.value:
-                message = f"about {kilobytes(used)}{what}{' by a coarse estimate' if self.estimate.coarse else ''}: "
-                message += f"a CPU {cpu.name} has {kilobytes(fact.value)} of work memory"
+                message = f"{about}{kilobytes(used)}{what}: a CPU {cpu.name} has {kilobytes(fact.value)} of work memory"
                 message += what.replace(" of", " for") + fact.remark
                 help_ = "split the spec between CPUs, or use another CPU; the rest of the program needs memory, too"
                 yield Diagnostic("PG413", message, place, Severity.WARNING, help=help_)

@@ -97,8 +97,8 @@ _VIOLATION = record(kind=TEXT, offset=NUMBER, message=TEXT)
 FRAME = record(**_TELEGRAM, problems=many(_VIOLATION), tolerated=many(_VIOLATION), offset=NUMBER, text=TEXT)
 
 _SIZE = record(
-    lines=NUMBER, fbs=NUMBER, fcs=NUMBER, obs=NUMBER, dbs=NUMBER, code=NUMBER, data=NUMBER, total=NUMBER, coarse=FLAG,
-    cpu=maybe(record(name=TEXT, percent=NUMBER)), idle_statements=maybe(NUMBER),
+    lines=NUMBER, fbs=NUMBER, fcs=NUMBER, obs=NUMBER, dbs=NUMBER, code=maybe(NUMBER), data=NUMBER, total=maybe(NUMBER),
+    cpu=maybe(record(name=TEXT, percent=maybe(NUMBER))), idle_statements=maybe(NUMBER),
 )  # fmt: skip
 _WRITTEN = {
     "folder": TEXT, "written": many(TEXT), "unchanged": many(TEXT), "removed": many(TEXT),
@@ -256,16 +256,12 @@ def _results() -> dict[str, Shape]:
         record_index={"type": "object", "additionalProperties": {"type": ["integer", "string"]}},
     )  # fmt: skip
     change = record(parameter=TEXT, fact=TEXT, catalogue=ANYTHING, known=ANYTHING, list=ANYTHING)
-    version = record(parameter=TEXT, fact=TEXT, old=TEXT, new=TEXT, grade=TEXT)
-    drift = record(parameter=TEXT, job=TEXT, wanted=TEXT, list=TEXT, verdict=TEXT)
     numbers = {"known": many(TEXT), "unknown": many(TEXT), "missing": many(TEXT), "ended": FLAG}
     verification = _headed("verification", VERIFICATION)
     return {
         "audit": _headed("audit", VERIFICATION),
         "catalogue": _catalogue(),
         "catalogue draw": _headed("catalogue draw", {"parameters": many(record(parameter=TEXT, title=TEXT))}),
-        "catalogue diff": _headed("catalogue diff", {"changes": many(version)}),
-        "catalogue drift": _headed("catalogue drift", FOUND, {"rows": many(drift), "skipped": many(TEXT)}),
         "catalogue import": _headed("catalogue import", {"changes": many(change), "skipped": many(TEXT)}),
         "catalogue numbers": _headed("catalogue numbers", {**numbers, "continues": maybe(NUMBER)}),
         "check": _headed(

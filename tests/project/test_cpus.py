@@ -37,8 +37,7 @@ def test_work_memory() -> None:
     assert cpu("315-2DP").work.grade == "r"
     assert cpu("412-1").work is None
     assert cpu("412-1").work_code.value == 144 * KB
-    assert cpu("1510SP").work_code.value == 100 * KB  # data sheet 6ES7510-1DJ01-0AB0
-    assert cpu("1510SP").work_data.value == 750 * KB
+    assert cpu("1510SP").work_data.value == 750 * KB  # data sheet 6ES7510-1DJ01-0AB0
 
 
 @pytest.mark.parametrize("spelling", ["315-2DP", "315-2 DP", "CPU 315-2 DP", "cpu315-2dp", "CPU315-2DP"])

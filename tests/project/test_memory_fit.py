@@ -16,17 +16,17 @@ KB = 1024
 PLACE = Span("job.yaml", 1, 1, 1, 2)
 
 
-def size(code: int, data: int, name: str = "", *, coarse: bool = False) -> ProgramSize:
+def size(code: int, data: int, name: str = "", *, classic: bool = True) -> ProgramSize:
     """One FB and one DB."""
     blocks = (BlockSize("FB", "job", 1, code, 0, 1234), BlockSize("DB", "data", 1, 0, data))
-    return ProgramSize(Estimate(blocks, coarse), cpu(name) if name else None)
+    return ProgramSize(Estimate(blocks, classic), cpu(name) if name else None)
 
 
 def test_one_line_for_people() -> None:
     """30 KB + 2 KB are 12 % of 256 KB (12.5 rounded down)."""
     assert size(30 * KB, 2 * KB).text() == "1,234 lines of SCL, 1 FB, 1 DB, about 32 KB of work memory"
     assert size(30 * KB, 2 * KB, "315-2DP").text().endswith("of work memory, 12 % of a CPU 315-2DP")
-    assert "about 5.0 KB of work memory (coarse)" in size(4 * KB, 1 * KB, coarse=True).text()
+    assert size(0, KB, "1214C", classic=False).text() == "1,234 lines of SCL, 1 FB, 1 DB, 1.0 KB in data blocks"
 
 
 def test_two_memories_count_separately() -> None:
@@ -47,11 +47,19 @@ def test_the_limit_itself_fits() -> None:
 
 
 def test_what_is_recalled_says_so() -> None:
-    """Limits without a document only warn, and say why."""
-    found = [d.message for d in size(151 * KB, 1, "1511", coarse=True).misfits(PLACE)]
-    assert len(found) == 2
+    """Limits without a document only warn, and say why; of an S7-1500 only data are counted."""
+    found = [d.message for d in size(0, 1025 * KB, "1511", classic=False).misfits(PLACE)]
+    assert [message.split(":")[0] for message in found] == ['1,025 KB data of DB "data"', "1,025 KB of data"]
     assert all("recalled: no document was found" in message for message in found)
-    assert "by a coarse estimate" in found[1]
+
+
+def test_data_blocks_fill_the_one_memory_of_an_s7_1200() -> None:
+    """A CPU 1214C has 100 KB for everything: 100 KB in data blocks of 50 KB fit, 102,401 bytes do not."""
+    blocks = [BlockSize("DB", name, number, 0, 50 * KB) for number, name in enumerate("ab", 1)]
+    fits, over = (Estimate((*blocks, *more), classic=False) for more in ((), (BlockSize("DB", "c", 3, 0, 1),)))
+    assert list(ProgramSize(fits, cpu("1214C")).misfits(PLACE)) == []
+    (found,) = ProgramSize(over, cpu("1214C")).misfits(PLACE)
+    assert found.message.startswith("100 KB of data: a CPU 1214C has 100 KB of work memory for data")
 
 
 def test_without_a_cpu_nothing_is_said() -> None:

@@ -240,11 +240,14 @@ def test_a_block_that_is_too_deep_is_said_and_not_counted() -> None:
     assert found.data == program("").data
 
 
-def test_other_families_are_coarse() -> None:
-    """The rules were made for the S7-300/400; elsewhere the result says that it is coarse."""
+def test_other_families_have_only_data_blocks() -> None:
+    """The rules were made for the S7-300/400; elsewhere there is no figure for code, and 2 + 4 bytes of data are 6."""
     text = 'FUNCTION_BLOCK "a"\nVAR i : Int; END_VAR\nBEGIN\n#i := 1;\nEND_FUNCTION_BLOCK\n'
-    assert estimate(read_texts([("a.scl", text)]), Dialect.TIA_1200_1500).coarse
-    assert not estimate(read_texts([("a.scl", text)]), Dialect.TIA_300_400).coarse
+    text += 'DATA_BLOCK "b"\nVAR i : Int; d : DInt; END_VAR\nBEGIN\nEND_DATA_BLOCK\n'
+    found = estimate(read_texts([("a.scl", text)]), Dialect.TIA_1200_1500)
+    assert (found.code, found.total, found.data, found.lines) == (None, None, 6, 5)
+    old = estimate(read_texts([("a.scl", text)]), Dialect.TIA_300_400)
+    assert (old.code, old.data) == (HEADER + 18 + 8, HEADER + 6)  # L 1; T
 
 
 def test_files_on_disk_are_read(tmp_path: Path) -> None:

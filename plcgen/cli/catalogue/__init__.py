@@ -10,15 +10,13 @@ SECTIONS: Sections = (
         (
             ("show", "Show the facts about parameters, with grade and source."),
             ("import", "Show what a list from STARTER, SCOUT or Startdrive adds to it."),
-            ("diff", "Compare the parameters of two device profiles."),
-            ("drift", "Compare a drive's parameter list with the jobs of a spec."),
         ),
     ),
 )
 
 command = VerbGroup(
     "catalogue",
-    help="Show and compare the catalogue of drive parameters.",
+    help="Show the catalogue of drive parameters, and what a list of your own adds to it.",
     sections=SECTIONS,
     package="plcgen.cli.catalogue",
     examples=(

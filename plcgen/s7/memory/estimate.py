@@ -22,9 +22,10 @@ _ONLY_COMMENT = ("//", "(*")
 
 @dataclass(frozen=True, slots=True)
 class BlockSize:
-    """One block: bytes of code and of data in the work memory, both with the block's header.
+    """One block: bytes of code and of data in the work memory of an S7-300/400, both with the block's header.
 
-    ``lines`` are the lines of its text, ``code_lines`` those of its statements, without empty lines and comments.
+    On an S7-1200/1500 ``code`` is 0, and ``data`` the bytes of a data block (standard access) alone. ``lines`` are the
+    lines of its text, ``code_lines`` those of its statements, without empty lines and comments.
     """
 
     kind: str
@@ -45,18 +46,18 @@ class BlockSize:
 class Estimate:
     """Sizes of all blocks of a program, in the order of its files.
 
-    ``coarse`` says that the rules were made for another family. ``diagnostics`` tell what could not be read or laid
-    out: it is not counted.
+    ``classic`` says that they are for an S7-300/400: the code of other families is not estimated. ``diagnostics`` tell
+    what could not be read or laid out: it is not counted.
     """
 
     blocks: tuple[BlockSize, ...]
-    coarse: bool
+    classic: bool
     diagnostics: tuple[Diagnostic, ...] = ()
 
     @property
-    def code(self) -> int:
-        """Bytes of code."""
-        return sum(block.code for block in self.blocks)
+    def code(self) -> int | None:
+        """Bytes of code; None for an S7-1200/1500."""
+        return sum(block.code for block in self.blocks) if self.classic else None
 
     @property
     def data(self) -> int:
@@ -64,9 +65,9 @@ class Estimate:
         return sum(block.data for block in self.blocks)
 
     @property
-    def total(self) -> int:
-        """Bytes of everything."""
-        return self.code + self.data
+    def total(self) -> int | None:
+        """Bytes of everything; None for an S7-1200/1500."""
+        return None if self.code is None else self.code + self.data
 
     @property
     def lines(self) -> int:
@@ -77,21 +78,14 @@ class Estimate:
         """Number of blocks of a kind; without one, of all that a CPU holds: types are none."""
         return sum(block.kind == kind if kind else block.kind != BlockKind.UDT for block in self.blocks)
 
-    def summary(self) -> dict[str, int | bool]:
+    def summary(self) -> dict[str, int | None]:
         """The figures for programs."""
         kinds = {f"{kind.lower()}s": self.count(kind) for kind in ("FB", "FC", "OB", "DB")}
-        return {
-            "lines": self.lines,
-            **kinds,
-            "code": self.code,
-            "data": self.data,
-            "total": self.total,
-            "coarse": self.coarse,
-        }
+        return {"lines": self.lines, **kinds, "code": self.code, "data": self.data, "total": self.total}
 
 
 def estimate(what: Path | str | Sources, dialect: Dialect) -> Estimate:
-    """Estimate the work memory of a program for the S7-300/400; for the S7-1200/1500 the result is coarse.
+    """Estimate the work memory of a program for the S7-300/400; for the S7-1200/1500 add up its data blocks.
 
     ``what`` is a folder or file, or sources that are read already.
     """
@@ -102,30 +96,32 @@ def estimate(what: Path | str | Sources, dialect: Dialect) -> Estimate:
     problems = list(sources.diagnostics)
     for source in sources.blocks:
         if source.block.kind in _CODE:
-            names = BlockNames(source, blocks, sources.types, classic=classic)
+            names = BlockNames(source, blocks, sources.types, classic=classic) if classic else None
             found.append(_code_size(source, names, problems))
         else:
-            found.append(_data_size(source.block, sources.types, problems))
-    return Estimate(tuple(found), not classic, tuple(problems))
+            found.append(_data_size(source.block, sources.types, problems, costs.HEADER if classic else 0))
+    return Estimate(tuple(found), classic, tuple(problems))
 
 
-def _code_size(source: SourceBlock, names: BlockNames, problems: list[Diagnostic]) -> BlockSize:
+def _code_size(source: SourceBlock, names: BlockNames | None, problems: list[Diagnostic]) -> BlockSize:
+    """Without ``names`` only the lines are counted."""
     block = source.block
     body = source.unit.statements if source.unit is not None else ()
     lines, code_lines = _line_counts(source)
     size = 0
     try:
-        size = costs.HEADER + CodeSize(names).block(body)
+        if names is not None:
+            size = costs.HEADER + CodeSize(names).block(body)
     except RecursionError:
         problems.append(Diagnostic("PG802", f"{block.name} is nested too deeply", block.span or Span(source.file)))
     return BlockSize(block.kind.value, block.name, block.number, size, 0, lines, code_lines)
 
 
-def _data_size(block: Block, types: TypeTable, problems: list[Diagnostic]) -> BlockSize:
+def _data_size(block: Block, types: TypeTable, problems: list[Diagnostic], header: int) -> BlockSize:
     size = 0
     if block.kind is BlockKind.DB:
         try:
-            size = costs.HEADER + layout_block(block, types).size
+            size = header + layout_block(block, types).size
         except DiagnosticError as problem:
             problems.extend(problem.diagnostics)
     return BlockSize(block.kind.value, block.name, block.number, 0, size)

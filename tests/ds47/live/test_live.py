@@ -163,7 +163,6 @@ drives: """
     [
         ("live", "compare", "job.yaml", "--drive", "127.0.0.1"),
         ("live", "db", "job.yaml", "--cpu", "127.0.0.1", "--all"),
-        ("catalogue", "drift", "list.csv", "job.yaml"),
     ],
 )
 def test_a_spec_without_drive_jobs(tmp_path, monkeypatch, drives, words):
