@@ -138,6 +138,10 @@ DAMAGE: dict[str, tuple[str, str]] = {
     "the wires are those of RS232": ("MODE := 4", "MODE := 0"),
     "the port is set for every job": ("#statConfigured := TRUE;", "#statConfigured := FALSE;"),
     "the port keeps its settings behind a failure": ("#statConfigured := FALSE;", ";"),
+    "a retentive instance does not see a restart": ("telegram.pduReference = W#16#0000;", "telegram.pduReference = W#16#FFFF;"),
+    "a retentive instance keeps the settings over a restart": ("#statConfigured := FALSE;  // the", ";  // the"),
+    "a retentive instance goes on with a job": ("    #statPhase[#tempIndex] := #PHASE_IDLE;", "    ;"),
+    "REQ stays over a restart": ("#statEnded := TRUE;  // no", ";  // no"),
     "an input is read when the telegram is built": (
         "WORD_TO_BYTE(SHR(IN := #statWriteVw200, N := 8))",
         "WORD_TO_BYTE(SHR(IN := #writeVw200, N := 8))",

@@ -26,6 +26,8 @@ FULL = 32_767
 UNUSED_NUMBER = 59_998
 NOISE = (LONGEST // 4, LONGEST // 2, LONGEST)
 START = 0x68
+MOMENTS = (0, 1, 4, 5, 6, 9)
+"""Calls of a job before a restart: none, the first one, in which a block of the module begins, while it works."""
 SLACK = 1.2
 """Statements of a call that does not search besides."""
 
@@ -39,6 +41,8 @@ def procedures(plan: PpiPlan, program: Program, master: PlannedMaster) -> Iterat
     yield Procedure("every job with the values as delivered", bed, as_delivered)
     yield Procedure("all jobs at once", bed, together)
     yield Procedure("jobs one after the other", bed, behind)
+    if not plan.target.classic:
+        yield Procedure("a restart with a retentive instance", bed, kept)
     if any(job.cycle for job in master.jobs):
         yield Procedure("jobs with a cycle", bed, cycles)
     yield Procedure("longest scan", bed, longest_scan)
@@ -211,6 +215,35 @@ def behind(rig: MasterRig) -> None:
             name = f"{job.key} after {before.key}"
             for rig.job, fresh in ((before, True), (job, False)):
                 Run(PpiScenario(name=name, fresh=fresh, retries=None, polls=None), conduct, Statistics()).go()
+
+
+def kept(rig: MasterRig) -> None:
+    """The CPU stops and runs again between two jobs, or within one, and the instance keeps its values: the module has
+    its own settings again, so the block sets the port, once, and the job, which begins anew, ends well.
+    """
+    name, port = rig.master.instance.name, rig.port
+    for rig.job in rig.master.jobs:
+        rig.cpu.restart("cold")
+        _whole(rig)
+        for calls in MOMENTS:
+            _once(rig, calls, step(rig))
+            before = bytes(rig.cpu.db(name))
+            rig.cpu.restart("warm")
+            rig.cpu.db(name)[:] = before
+            port.configured = port.conditioned = 0
+            status = _whole(rig)
+            if status != DONE or (port.configured, port.conditioned) != (1, 1):
+                found = f"16#{status:04X}, Port_Config set the port {port.configured} times"
+                raise ScenarioError(f"{rig.job.key} after a restart that kept the instance: {found}")
+
+
+def _whole(rig: MasterRig) -> int:
+    """Run the job to its end; its status."""
+    rig.new_values(rig.job)
+    status = _once(rig, (rig.job.timeout + DRAIN_MS) // step(rig) + 1, step(rig))
+    rig.db.set(rig.pin("execute"), 0)
+    rig.cpu.call(rig.db.block, step(rig))
+    return status
 
 
 # --- again and again ------------------------------------------------------------------------------------------

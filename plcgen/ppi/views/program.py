@@ -277,7 +277,7 @@ class _Views:
         """Local data: name, type."""
         t = self.t
         kinds = {
-            t["BOOL"]: "Done Fault New Execute Trigger Retry Finished Clean Mine",
+            t["BOOL"]: f"Done Fault New Execute Trigger Retry Finished Clean Mine{' Restart' * self.where.t15}",
             t["BYTE"]: "Byte Check Code",
             t["WORD"]: "Status Word Result Error",
             t["INT"]: "Job Next Index Length First Count Size Sum Position Tail Event At End Item LastItem Failed",
