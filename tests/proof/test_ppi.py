@@ -138,7 +138,10 @@ DAMAGE: dict[str, tuple[str, str]] = {
     "the wires are those of RS232": ("MODE := 4", "MODE := 0"),
     "the port is set for every job": ("#statConfigured := TRUE;", "#statConfigured := FALSE;"),
     "the port keeps its settings behind a failure": ("#statConfigured := FALSE;", ";"),
-    "a retentive instance does not see a restart": ("telegram.pduReference = W#16#0000;", "telegram.pduReference = W#16#FFFF;"),
+    "a retentive instance does not see a restart": (
+        "telegram.pduReference = W#16#0000;",
+        "telegram.pduReference = W#16#FFFF;",
+    ),
     "a retentive instance keeps the settings over a restart": ("#statConfigured := FALSE;  // the", ";  // the"),
     "a retentive instance goes on with a job": ("    #statPhase[#tempIndex] := #PHASE_IDLE;", "    ;"),
     "REQ stays over a restart": ("#statEnded := TRUE;  // no", ";  // no"),

@@ -28,7 +28,6 @@ from plcgen.ppi.client.values import Value, text_of
 from plcgen.ppi.wire.areas import PDU_LIMIT, Area, ReturnCode
 from plcgen.ppi.wire.codes import return_code
 from plcgen.ppi.wire.errors import PpiError
-from plcgen.ppi.wire.load import READING, WRITING
 from plcgen.ppi.wire.model import (
     AckReply,
     Item,
@@ -42,9 +41,8 @@ from plcgen.ppi.wire.model import (
     SetupRequest,
     StopRequest,
     WriteReply,
-    WriteRequest,
 )
-from plcgen.ppi.wire.pack import ReadPlan, pack_read, pack_write
+from plcgen.ppi.wire.pack import READING, WRITING, ReadPlan, pack_read, pack_write
 from plcgen.ppi.wire.pdu import encode_pdu
 
 if TYPE_CHECKING:
@@ -245,9 +243,10 @@ class Client:
 
     def _prepare(self, items: Sequence[Item], *, merge: bool) -> _Prepared:
         plan = pack_read(items, merge=merge, rules=replace(READING, limit=self.pdu_limit))
-        sent = tuple(item for telegram in plan.items for item in telegram)
+        requests = plan.requests()
+        sent = tuple(item for request in requests for item in request.items)
         plain = tuple(item.octets for item in items) if sent == tuple(items) else ()
-        return _Prepared(plan, tuple(encode_pdu(request) for request in plan.requests()), plain)
+        return _Prepared(plan, tuple(encode_pdu(request) for request in requests), plain)
 
     def _collect(self, prepared: _Prepared) -> tuple[ItemResult, ...]:
         replies = []
@@ -295,8 +294,8 @@ class Client:
             found = [Diagnostic("PG716", violation.message, Span("<values>")) for violation in problem.violations]
             raise DiagnosticError(found) from problem
         replies = []
-        for telegram in plan.telegrams:
-            reply = self._run(WriteRequest.padded(self._following(), telegram), experimental=experimental)
+        for request in plan.requests():
+            reply = self._run(replace(request, reference=self._following()), experimental=experimental)
             if not isinstance(reply, WriteReply):
                 raise self._unexpected("a write is answered with something else")
             replies.append(reply)

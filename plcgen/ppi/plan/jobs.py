@@ -9,8 +9,7 @@ from plcgen.base.diagnostics import Diagnostic, Report
 from plcgen.base.diagnostics.counting import shortlist
 from plcgen.base.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.ppi.plan.fields import FRAME_HEADER, request_fields, response_fields
-from plcgen.ppi.plan.nouns import LEAD, Kind, PlannedStation, PpiJob, PpiTelegram, PpiValue, WireItem
-from plcgen.ppi.plan.pack import Packed, pack
+from plcgen.ppi.plan.nouns import LEAD, Kind, Placed, PlannedStation, PpiJob, PpiTelegram, PpiValue, WireItem
 from plcgen.ppi.plan.values import ValueResolver
 from plcgen.ppi.schema import VERBS, MasterJob, PpiBuffer, PpiMaster, PpiReadItem, PpiSection, PpiWriteItem
 from plcgen.ppi.symbols import SymbolTable
@@ -28,6 +27,7 @@ from plcgen.ppi.wire.model import (
     VariableFrame,
     WriteRequest,
 )
+from plcgen.ppi.wire.pack import PlannedItem, Telegrams, pack_read, pack_write
 from plcgen.ppi.wire.pdu import encode_pdu
 from plcgen.project.nouns import BlockRef, Buffer
 from plcgen.project.numbering import Numbering
@@ -78,7 +78,7 @@ class JobPlanner:
         for name in wanted:
             station = self.stations[name]
             base = f"{self.name}{pascal_case(name)}Sync"
-            items = self._items([Packed(HARMLESS, ())])
+            items = self._items([PlannedItem(HARMLESS, ())], ())
             found.append(self._telegram("sync", station, items, base, PpiBuffer(), PpiBuffer(), station.path))
         return tuple(found)
 
@@ -114,7 +114,7 @@ class JobPlanner:
             name = f"{base}{apart}{index}" if len(packed) > 1 else base
             request = job.request if index == 1 else PpiBuffer()
             response = job.response if index == 1 else PpiBuffer()
-            telegrams.append(self._telegram(kind, station, self._items(group), name, request, response, path))
+            telegrams.append(self._telegram(kind, station, self._items(group, values), name, request, response, path))
         limit = V5_LIMIT if self.numbering.where.v5 else TIA_LIMIT
         return PpiJob(
             key=key,
@@ -168,14 +168,14 @@ class JobPlanner:
                 found.append(value)
         return tuple(found)
 
-    def _packed(
-        self, kind: Kind, values: tuple[PpiValue, ...], path: SpecPath, *, merge: bool
-    ) -> list[tuple[Packed, ...]] | None:
+    def _packed(self, kind: Kind, values: tuple[PpiValue, ...], path: SpecPath, *, merge: bool) -> Telegrams | None:
         """Telegrams of a job; None after a diagnostic if values that are written overlap."""
         if not values:
-            return [()]
+            return ((),)
         try:
-            return pack(values, write=kind == "write", merge=merge)
+            if kind == "read":
+                return pack_read([value.item for value in values], merge=merge).telegrams
+            return pack_write([ItemWrite(value.item, value.data) for value in values], merge=merge).telegrams
         except PpiError as problem:
             text = "; ".join(violation.message for violation in problem.violations)
             help_ = "write every byte once, or make two jobs"
@@ -190,10 +190,14 @@ class JobPlanner:
 
     # --- telegrams ------------------------------------------------------------------------------------
 
-    def _items(self, packed: Sequence[Packed]) -> tuple[WireItem, ...]:
-        first = self.items + 1
-        self.items += len(packed)
-        return tuple(WireItem(n, one.item, one.values, one.data) for n, one in enumerate(packed, first))
+    def _items(self, planned: Sequence[PlannedItem], values: Sequence[PpiValue]) -> tuple[WireItem, ...]:
+        """Items of one telegram with the values they carry."""
+        found = []
+        for one in planned:
+            self.items += 1
+            placed = tuple(Placed(values[p.asked], p.at, p.start, p.length, p.bit) for p in one.parts)
+            found.append(WireItem(self.items, one.item, placed, one.data))
+        return tuple(found)
 
     def _telegram(
         self,

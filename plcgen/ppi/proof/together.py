@@ -222,7 +222,8 @@ def kept(rig: MasterRig) -> None:
     its own settings again, so the block sets the port, once, and the job, which begins anew, ends well.
     """
     name, port = rig.master.instance.name, rig.port
-    for rig.job in rig.master.jobs:
+    for job in rig.master.jobs:
+        rig.job = job
         rig.cpu.restart("cold")
         _whole(rig)
         for calls in MOMENTS:
@@ -234,7 +235,7 @@ def kept(rig: MasterRig) -> None:
             status = _whole(rig)
             if status != DONE or (port.configured, port.conditioned) != (1, 1):
                 found = f"16#{status:04X}, Port_Config set the port {port.configured} times"
-                raise ScenarioError(f"{rig.job.key} after a restart that kept the instance: {found}")
+                raise ScenarioError(f"{job.key} after a restart that kept the instance: {found}")
 
 
 def _whole(rig: MasterRig) -> int:

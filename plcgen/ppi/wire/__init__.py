@@ -2,5 +2,5 @@
 
 Everything here is pure. ``areas`` holds the numbers of the protocol, ``model`` the values, ``fdl`` the frames on the
 line, ``pdu`` their contents, ``telegram`` both together, ``address`` what people write (VB100, M0.0), ``pack`` the
-fewest telegrams for many items, ``stream`` finds frames in a capture, ``dissect`` explains them byte by byte.
+few telegrams for many items, ``stream`` finds frames in a capture, ``dissect`` explains them byte by byte.
 """
