@@ -8,7 +8,8 @@ from plcgen.build.sheet import ExchangeSheet, JobInstance, Message, MessageField
 from plcgen.ds47 import guards
 from plcgen.ds47.device import Parameter
 from plcgen.ds47.effects import UNCLASSIFIED
-from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
+from plcgen.ds47.plan.access import Part, Running, Use
+from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram
 from plcgen.ds47.plan.values import literals_text
 from plcgen.ds47.views.texts import field_texts
 from plcgen.ds47.wire.dissect import dissect_request
@@ -93,7 +94,7 @@ def _memory(shape: DriveJob, use: Use) -> str:
         stored = "copies RAM to non-volatile memory"
     elif use.parameter.pnu in guards.TRIGGERS:
         stored = "starts something, keeps no value"
-    state = "while the drive does not run" if any(use.state for use in shape.uses) else "while it runs, too"
+    state = "while the drive does not run" if any(use.as_(Running) for use in shape.uses) else "while it runs, too"
     return (
         f"{stored}; the old value comes back if the job fails, {state}"
         if shape.restores and use not in shape.saving

@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from plcgen.base.diagnostics import Span
-from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram, Part
+from plcgen.ds47.plan.access import Part
+from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.ds47.wire.formats import Format
 from plcgen.project.nouns import BlockRef
 from plcgen.proof.audited import AuditFindings

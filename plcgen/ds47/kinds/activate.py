@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from plcgen.base.files.validation import StrictModel, problem
-from plcgen.ds47.kinds.kind import Awaited, JobKind, ReadItem, StepItem, WriteItem, short_form, within_limit
+from plcgen.ds47.kinds.kind import JobKind, ReadItem, StepItem, Wait, WriteItem, short_form, within_limit
 from plcgen.project.schema import Duration
 
 ACTIVATES, ACTIVE = 105, 106
@@ -45,7 +45,7 @@ def _activate_steps(settings: ActivateSettings) -> Iterator[StepItem]:
     value = {"not_present": 2, "input": 1}.get(str(settings.state), int(settings.state is True))
     told = {"parameter": f"P{ACTIVATES}", **({"as": "state", "comment": _STATE} if given else {"value": value})}
     yield StepItem(1, (), WriteItem.model_validate(told))
-    awaited = Awaited("=", None, settings.limit, settings.interval, follows=given)
+    awaited = Wait("=", None, settings.limit, settings.interval, follows=given)
     yield StepItem(2, (), ReadItem.model_validate({"parameter": f"r{ACTIVE}", "as": "active"}), awaited, value % 2)
 
 

@@ -36,11 +36,11 @@ class WriteItem(StrictModel):
 
 
 @dataclass(frozen=True, slots=True)
-class Awaited:
+class Wait:
     """What a value that is read must be: as ``operator`` says, compared with the value that its use has.
 
     ``bit`` is the only one that counts, if it is not None; ``limit`` is how long it is waited for, ``interval`` the
-    time time between two polls, both in ms. ``follows``: what is wanted is bit 0 of what the first telegram of
+    time between two polls, both in ms. ``follows``: what is wanted is bit 0 of what the first telegram of
     the job has written.
     """
 
@@ -61,7 +61,7 @@ class StepItem:
     step: int
     place: tuple[str | int, ...]
     item: ReadItem | WriteItem
-    awaited: Awaited | None = None
+    awaited: Wait | None = None
     wanted: Value = 0
 
 

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from plcgen.base.files.printed import Name, Value
 from plcgen.base.files.validation import StrictModel, problem
 from plcgen.base.files.yaml import resolve_plain
-from plcgen.ds47.kinds.kind import Awaited, JobKind, ReadItem, StepItem, WriteItem
+from plcgen.ds47.kinds.kind import JobKind, ReadItem, StepItem, Wait, WriteItem
 from plcgen.project.schema import ONE_OR_MORE, Duration, short_item, short_item_schema, short_items, short_items_schema
 
 _SHORT = re.compile(r"\s*([^<>=]*[^<>=\s])\s*((?:<>|<=|>=|<|>|=)\s*[^\s].*?)\s*\Z", re.DOTALL)
@@ -128,7 +128,7 @@ def step_items(steps: tuple[SequenceStep, ...]) -> Iterator[StepItem]:
         if step.until is None:
             continue
         for one in step.until.conditions:
-            awaited = Awaited(one.operator, one.bit, step.until.timeout, step.until.interval)
+            awaited = Wait(one.operator, one.bit, step.until.timeout, step.until.interval)
             asked = ReadItem(parameter=one.parameter)
             yield StepItem(number, (number - 1, "until", one.place), asked, awaited, one.value)
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from plcgen.ds47 import guards
 from plcgen.ds47.live.connection import Reader, ReadRefusedError
 from plcgen.ds47.live.parameters import ElementReading, element_value, read_parameter
-from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, Use
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan
 from plcgen.ds47.wire.formats import FormatKind
 from plcgen.project.nouns import Buffer
 
@@ -38,7 +39,7 @@ def compare_drives(plan: DrivePlan, readers: Mapping[str, Reader]) -> Iterator[L
         if reader is None:
             continue
         for use in job.own:
-            if (use.writes or use.compared) and use.parameter.pnu not in guards.SET_BACK and not use.format.is_string:
+            if use.supplied and use.parameter.pnu not in guards.SET_BACK and not use.format.is_string:
                 yield from _use(job, use, reader)
 
 

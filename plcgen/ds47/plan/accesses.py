@@ -9,8 +9,8 @@ from plcgen.base.diagnostics import Diagnostic, Report
 from plcgen.ds47.kinds.kind import JobKind, Messages, ReadItem, WriteItem
 from plcgen.ds47.kinds.registry import kind_called, kinds
 from plcgen.ds47.kinds.save import SAVES
+from plcgen.ds47.plan.access import Column, Compare, Read, Recount, Role, Use, Write
 from plcgen.ds47.plan.bits import BitResolver, has_bits, in_front
-from plcgen.ds47.plan.nouns import Use
 from plcgen.ds47.plan.readback import read_back, transaction
 from plcgen.ds47.plan.recipes import Recipes
 from plcgen.ds47.plan.steps import resolved_steps
@@ -102,9 +102,10 @@ class Accesses:
             found.append(self.resolver.resolve(item, before + number + 1, where, write=write))
         uses = tuple(use for use in found if use is not None)
         if kind.recorded:
-            uses = tuple(replace(use, recorded=True) for use in self.recipes.recorded(uses, self.resolver))
+            recorded = self.recipes.recorded(uses, self.resolver)
+            uses = tuple(replace(use, role=_of_record(kind, use)) for use in recorded)
         if kind.compares:
-            uses = tuple(replace(use, compared=True) for use in uses if self._comparable(use))
+            uses = tuple(use for use in uses if self._comparable(use))
         return uses
 
     def _with_bits(self, kind: JobKind, items: Items, place: SpecPath) -> tuple[Use, ...]:
@@ -122,7 +123,7 @@ class Accesses:
         """What belongs to the uses of all items: read back, restored, polled, divided into columns."""
         settings = getattr(self.job, kind.key)
         if kind.poll is not None:
-            return (uses[0], replace(uses[1], poll=kind.poll(settings)), *uses[2:])
+            return (uses[0], replace(uses[1], role=kind.poll(settings)), *uses[2:])
         if self.job.verify is not None:
             restores = self._restores(kind)
             if restores is not None:
@@ -188,11 +189,18 @@ class Accesses:
         return False
 
 
+def _of_record(kind: JobKind, use: Use) -> Role:
+    """The role of a use whose value is a member of a record: written, compared, or read into it."""
+    if isinstance(use.role, Write | Compare) and (kind.writes or kind.compares):
+        return replace(use.role, recorded=True)
+    return Read(recorded=True)
+
+
 def _columns(uses: tuple[Use, ...], settings: Messages) -> Iterator[Use]:
     """The accesses to a buffer of messages: the counter, columns of groups, the counter again."""
     first, *middle, last = uses
     yield first
     for number, use in enumerate(middle):
         group, column = divmod(number, len(settings.columns))
-        yield replace(use, column=settings.columns[column], group=group)
-    yield replace(last, again=first)
+        yield replace(use, role=Column(settings.columns[column], group))
+    yield replace(last, role=Recount())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from plcgen.ds47.kinds.kind import ReadItem, WriteItem
-from plcgen.ds47.plan.nouns import Use
+from plcgen.ds47.plan.access import Bit, Mask, Use, Write
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.ds47.references import split_bit
 from plcgen.ds47.wire import formats
@@ -61,13 +61,13 @@ class BitResolver:
             return None
         name = item.as_ or shorten(f"{word.member}Bit{number}", self.resolver.longest_name)
         bit = replace(
-            word, format=_BIT, data=bytes((bool(given),)), constant=item.value is not None, member=name,
-            comment=item.comment or {}, bit=number,
+            word, format=_BIT, data=bytes((bool(given),)), member=name, comment=item.comment or {}, item=item,
+            role=Bit(number, constant=item.value is not None),
         )  # fmt: skip
         at = next((n for n, one in enumerate(self.uses) if one.bits and _same(one, word)), None)
         if at is None:
             bit = replace(bit, position=-_LONGEST * 8 * word.position - number)
-            self.uses.append(replace(word, constant=True, bits=(bit,)))
+            self.uses.append(replace(word, role=Write(constant=True, bits=(bit,)), item=item))
             self.items.append(whole)
             return bit
         there = self.uses[at]
@@ -76,7 +76,8 @@ class BitResolver:
             self.resolver.problem("PG213", message, (*path, "parameter"), "remove one of them")
             return None
         bit = replace(bit, position=-_LONGEST * 8 * there.position - number)
-        self.uses[at] = replace(there, bits=tuple(sorted((*there.bits, bit), key=lambda one: one.bit or 0)))
+        bits = tuple(sorted((*there.bits, bit), key=lambda one: one.bit or 0))
+        self.uses[at] = replace(there, role=Write(constant=True, bits=bits))
         return bit
 
     def _has(self, word: Use, number: int, path: SpecPath) -> bool:
@@ -138,7 +139,7 @@ def in_front(uses: tuple[Use, ...], items: Items, resolver: UseResolver) -> tupl
     moved = [replace(use, position=use.position + len(olds)) for use in uses]
     words = (use for use in moved if use.bits)
     first = [
-        replace(old, position=n, modifies=word) for n, ((old, _), word) in enumerate(zip(olds, words, strict=True), 1)
+        replace(old, position=n, role=Mask(word)) for n, ((old, _), word) in enumerate(zip(olds, words, strict=True), 1)
     ]
     return (*first, *moved), (*(item for _, item in olds), *items)
 

@@ -9,7 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from plcgen.ds47.plan.nouns import DeviationList, DriveCaller, DriveTelegram, MessageList, PlannedUnit, Use
+from plcgen.ds47.kinds.kind import Poll
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DeviationList, DriveCaller, DriveTelegram, MessageList, PlannedUnit
 from plcgen.project.numbering import Numbering
 
 
@@ -43,7 +45,7 @@ def footprint(
     values = [use.count * (use.format.size + use.format.size % 2) + 2 for use in uses]
     buffers = [len(telegram.request.data) + telegram.response.size + 4 for telegram in telegrams]
     steps = any(telegram.step for telegram in telegrams)
-    clock = _POLLING if steps or any(use.poll is not None for use in uses) else 0
+    clock = _POLLING if steps or any(use.as_(Poll) for use in uses) else 0
     data = _JOB.data + clock + sum(values) + (8 if steps else 4) * len(uses) + sum(buffers)
     if isinstance(listed, DeviationList):
         data += 2 * listed.places * _DEVIATION + sum(buffers)

@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from plcgen.ds47.plan.nouns import DriveField, Part
+from plcgen.ds47.plan.access import Part
+from plcgen.ds47.plan.nouns import DriveField
 from plcgen.ds47.plan.types import element_type
 from plcgen.ds47.wire.formats import Format, padded
 from plcgen.ds47.wire.model import Attribute

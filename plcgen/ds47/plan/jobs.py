@@ -8,8 +8,9 @@ from itertools import chain, groupby
 
 from plcgen.base.diagnostics import Diagnostic, Note, Report
 from plcgen.ds47 import guards
-from plcgen.ds47.kinds.kind import JobKind
+from plcgen.ds47.kinds.kind import JobKind, Poll
 from plcgen.ds47.plan import pack
+from plcgen.ds47.plan.access import Compare, Part, Recount, Remember, Use
 from plcgen.ds47.plan.accesses import Accesses, job_kind
 from plcgen.ds47.plan.callers import Callers, footprint
 from plcgen.ds47.plan.fields import request_fields, response_fields
@@ -18,11 +19,9 @@ from plcgen.ds47.plan.nouns import (
     DriveJob,
     DriveTelegram,
     MessageList,
-    Part,
     PlannedDrive,
     PlannedRecipe,
     PlannedUnit,
-    Use,
 )
 from plcgen.ds47.plan.recipes import Recipes
 from plcgen.ds47.plan.steps import divided
@@ -125,7 +124,7 @@ class DriveJobPlanner:
                 reference=reference,
                 timeout=timeout,
                 retry_pause=job.retry_pause,
-                retries=_retries(job, job.timeout if uses[0].remembers is not None else timeout),
+                retries=_retries(job, job.timeout if uses[0].as_(Remember) else timeout),
                 faq_names=faq,
                 listed=listed,
                 clock=_clock(kind, numbering),
@@ -235,7 +234,7 @@ def _meanings(packed: list[tuple[Part, ...]]) -> list[tuple[bytes, list[tuple[ob
 
 def _meaning(use: Use, data: bytes) -> tuple[object, ...]:
     limits = (use.parameter.minimum, use.parameter.maximum) if use.recorded else ()
-    return use.format.code, data if use.compared else b"", *limits
+    return use.format.code, data if use.as_(Compare) else b"", *limits
 
 
 def _units(packed: list[tuple[Part, ...]], other: list[tuple[Part, ...]]) -> str:
@@ -286,8 +285,8 @@ _MOST_RETRIES = 30_000
 
 def _timeout(job: JobEntry, uses: tuple[Use, ...]) -> int:
     """Time-out of the channel in ms: what the spec says, twice that to restore, and the time that a drive takes."""
-    poll = next((use.poll for use in uses if use.poll is not None), None)
-    own = 2 * job.timeout if uses[0].remembers is not None else job.timeout
+    poll = next((poll for use in uses if (poll := use.as_(Poll))), None)
+    own = 2 * job.timeout if uses[0].as_(Remember) else job.timeout
     return own + (poll.limit + poll.interval if poll is not None else 0)
 
 
@@ -309,7 +308,9 @@ def _directions(uses: tuple[Use, ...]) -> list[tuple[Use, ...]]:
 
     What asks again is behind everything else, in a telegram of its own; so is every step of a sequence.
     """
-    return [tuple(group) for _, group in groupby(uses, key=lambda use: (use.writes, use.again is not None, use.step))]
+    return [
+        tuple(group) for _, group in groupby(uses, key=lambda use: (use.writes, use.as_(Recount) is not None, use.step))
+    ]
 
 
 def _packed(

@@ -11,19 +11,17 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from plcgen.ds47 import guards
-from plcgen.ds47.device import Device, Parameter
-from plcgen.ds47.kinds.kind import Awaited, Messages, Poll
+from plcgen.ds47.device import Device
+from plcgen.ds47.kinds.kind import Messages, Poll, Wait
 from plcgen.ds47.kinds.messages import PLACES
 from plcgen.ds47.kinds.registry import kinds
+from plcgen.ds47.plan.access import Mask, Part, Remember, Use, Verify
 from plcgen.ds47.references import number_of
 from plcgen.ds47.schema import DriveSections, DriveSettings, JobEntry
-from plcgen.ds47.wire.formats import Format, FormatKind, unpack_values
 from plcgen.ds47.words import VARIANTS, Variant
 from plcgen.project.nouns import BlockRef, Buffer, BufferField, Link, Plan, PlannedJob, Telegram
 from plcgen.project.spec import SpecPath
 from plcgen.s7.types.data_types import Elementary
-
-_NUMBERS = frozenset({FormatKind.BOOLEAN, FormatKind.SIGNED, FormatKind.UNSIGNED, FormatKind.FLOAT})
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,130 +67,6 @@ class PlannedDrive(Link):
 
 
 @dataclass(frozen=True, slots=True)
-class Use:
-    """One parameter of a job, before packing.
-
-    ``count`` values of ``format`` (for string formats: octets), ``elements`` the byte in the address of an
-    unsplit access, ``data`` the constant or start value as wire bytes, ``constant`` whether it is a constant,
-    ``sources`` whether the values are BICO values with a drive object, ``writes`` whether it is changed; ``poll`` says
-    that it is read until it is 0, ``verifies`` which use it reads back. ``column`` and ``group`` are set where the
-    values belong to messages of a buffer, ``again`` where the counter of the buffer is read once more: it says which
-    use was the first. ``compared`` says that ``data`` is what the drive should have, ``recorded`` that the value is a
-    member of a record, from which or to which it is copied.
-    ``step`` is that of a sequence, from 1; ``awaited`` says how the value is compared with ``data``.
-    ``remembers`` is the use that is restored if the job fails: this one reads its old value in front of it. ``state``
-    says that the value is the word in which the drive reports whether it runs.
-    ``bits`` are what is changed of a word: uses of a Boolean each, with its number as ``bit``, in no telegram of their
-    own. ``modifies`` is the use with bits of which this one reads the word in front of it.
-    """
-
-    position: int
-    parameter: Parameter
-    format: Format
-    first: int | None
-    elements: int
-    count: int
-    data: bytes
-    constant: bool
-    sources: bool
-    member: str
-    comment: dict[str, str]
-    path: SpecPath
-    writes: bool = False
-    poll: Poll | None = None
-    verifies: Use | None = None
-    column: str = ""
-    group: int = 0
-    again: Use | None = None
-    compared: bool = False
-    recorded: bool = False
-    step: int = 0
-    awaited: Awaited | None = None
-    remembers: Use | None = None
-    state: bool = False
-    bits: tuple[Use, ...] = ()
-    bit: int | None = None
-    modifies: Use | None = None
-
-    @property
-    def subindex(self) -> int:
-        """First subindex; 0 without an index."""
-        return self.first or 0
-
-    @property
-    def numbers(self) -> frozenset[object] | None:
-        """What it writes, if those are numbers that the spec gives."""
-        plain = self.constant and not self.bits and self.format.kind in _NUMBERS
-        return frozenset(unpack_values(self.format, self.count, self.data)) if plain else None
-
-    @property
-    def precedes(self) -> bool:
-        """Whether it reads the old value of what is written."""
-        return self.remembers is not None or self.modifies is not None
-
-    @property
-    def mask(self) -> bytes:
-        """The bits of its values that are written: all of them, or those of a word that are named."""
-        size = self.count * self.format.size
-        return sum(1 << (one.bit or 0) for one in self.bits).to_bytes(size) if self.bits else b"\xff" * size
-
-    @property
-    def divisible(self) -> bool:
-        """Whether the access may be spread over several telegrams."""
-        return self.count > 1 and not self.format.is_string and not self.column
-
-    @property
-    def label(self) -> str:
-        """``P50303``, ``r945[0]``, ``P2155[1..2]`` or ``P1200.3``, as messages and comments write it."""
-        numbers = (str(one.bit) for one in (self.bits or (self,)) if one.bit is not None)
-        return ".".join((self.place, ", .".join(numbers))).removesuffix(".")
-
-    @property
-    def place(self) -> str:
-        """The same without bits."""
-        base = f"{'r' if self.parameter.access == 'r' else 'P'}{self.parameter.pnu}"
-        if self.first is None:
-            return base
-        last = self.first + (1 if self.format.is_string else self.count) - 1
-        return f"{base}[{self.first}]" if last == self.first else f"{base}[{self.first}..{last}]"
-
-
-@dataclass(frozen=True, slots=True)
-class Part:
-    """A use, or a slice of an array use, inside one telegram: values ``start`` .. ``start + count - 1``."""
-
-    use: Use
-    start: int
-    count: int
-
-    @property
-    def subindex(self) -> int:
-        """Subindex of the first value of this part."""
-        return self.use.subindex + self.start
-
-    @property
-    def elements(self) -> int:
-        """The elements byte of the address."""
-        return self.use.elements if self.whole else self.count
-
-    @property
-    def whole(self) -> bool:
-        """Whether this is the complete use."""
-        return self.count == self.use.count
-
-    @property
-    def size(self) -> int:
-        """Bytes of the values, without the pad."""
-        return self.count * self.use.format.size
-
-    @property
-    def data(self) -> bytes:
-        """Wire bytes of this part's constant or start values."""
-        step = self.use.format.size
-        return self.use.data[self.start * step : (self.start + self.count) * step]
-
-
-@dataclass(frozen=True, slots=True)
 class DriveField(BufferField):
     """A member of a request or response; ``part`` is the access to which it belongs, if it belongs to one."""
 
@@ -229,9 +103,9 @@ class DriveTelegram(Telegram):
         return self.parts[0].use.step
 
     @property
-    def awaited(self) -> Awaited | None:
+    def awaited(self) -> Wait | None:
         """What it waits for: that of its first value, with the times of all of them; None if it does not wait."""
-        return self.parts[0].use.awaited
+        return self.parts[0].use.as_(Wait)
 
 
 @dataclass(frozen=True, slots=True)
@@ -349,7 +223,7 @@ class DriveJob(PlannedJob):
         if self.clock is not None:
             return ()
         uses = (one for use in self.uses for one in (use.bits or (use,)))
-        return tuple(use for use in uses if (use.writes or use.compared) and not use.constant)
+        return tuple(use for use in uses if use.supplied and not use.constant)
 
     @property
     def inputs(self) -> tuple[Use, ...]:
@@ -399,12 +273,12 @@ class DriveJob(PlannedJob):
     @property
     def waits(self) -> bool:
         """Whether a step of it waits for a value."""
-        return any(use.awaited is not None for use in self.uses)
+        return any(use.as_(Wait) for use in self.uses)
 
     @property
     def verified(self) -> bool:
         """Whether it reads back what it has written."""
-        return any(use.verifies is not None for use in self.uses)
+        return any(use.as_(Verify) for use in self.uses)
 
     def suffix(self, telegram: DriveTelegram) -> str:
         """What follows the names of a telegram's members in the block: its number, if there are several."""
@@ -412,17 +286,17 @@ class DriveJob(PlannedJob):
 
     def old(self, word: Use) -> Use:
         """What reads the word of which a use writes bits."""
-        return next(use for use in self.uses if use.modifies is word or use.remembers is word)
+        return next(use for use in self.uses if isinstance(use.role, Mask | Remember) and use.role.of is word)
 
     @property
     def restores(self) -> bool:
         """Whether it writes the old values back if it fails."""
-        return self.uses[0].remembers is not None
+        return self.uses[0].as_(Remember) is not None
 
     @property
     def saving(self) -> tuple[Use, ...]:
         """The one that starts something in the drive, and the one that asks whether that has ended."""
-        asks = next((number for number, use in enumerate(self.uses) if use.poll is not None), 0)
+        asks = next((number for number, use in enumerate(self.uses) if use.as_(Poll)), 0)
         return self.uses[asks - 1 : asks + 1] if asks else ()
 
     @property
@@ -433,7 +307,7 @@ class DriveJob(PlannedJob):
     @property
     def poll(self) -> Poll | None:
         """How its last telegram is repeated, if it is."""
-        return next((use.poll for use in self.uses if use.poll is not None), None)
+        return next((poll for use in self.uses if (poll := use.as_(Poll))), None)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from plcgen.ds47.plan.nouns import Part, Use
+from plcgen.ds47.plan.access import Part, Use
 from plcgen.ds47.wire.formats import padded
 from plcgen.ds47.wire.model import ADDRESS_SIZE, HEADER_SIZE, MAX_ELEMENTS, negative_size
 

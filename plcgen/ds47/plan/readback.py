@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from plcgen.ds47.kinds.kind import ReadItem, WriteItem
-from plcgen.ds47.plan.nouns import Use
+from plcgen.ds47.plan.access import Remember, Running, Use, Verify
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.ds47.schema import ErrorSettings
 from plcgen.ds47.wire.formats import FormatKind
@@ -22,7 +22,7 @@ Items = tuple[ReadItem | WriteItem, ...]
 def read_back(uses: tuple[Use, ...], items: Items, resolver: UseResolver) -> Iterator[Use]:
     """A read of everything that is written, in the same order."""
     for position, (use, found) in enumerate(_read(uses, items, resolver, "Back"), len(uses) + 1):
-        yield replace(found, position=position, verifies=use)
+        yield replace(found, position=position, role=Verify(use))
 
 
 def _read(uses: tuple[Use, ...], items: Items, resolver: UseResolver, what: str) -> Iterator[tuple[Use, Use]]:
@@ -52,7 +52,7 @@ def transaction(
     states = [one for one in (asked, again) if one is not None]
     front = len(uses) + len(states[:1])
     written = tuple(replace(use, position=front + n) for n, use in enumerate(uses, 1))
-    olds = [replace(found, remembers=use) for use, found in _read(written, items, resolver, "Before")]
+    olds = [replace(found, role=Remember(use)) for use, found in _read(written, items, resolver, "Before")]
     found = (*olds, *states[:1], *written, *read_back(written, items, resolver), *states[1:])
     return tuple(replace(use, position=n) if not use.writes else use for n, use in enumerate(found, 1))
 
@@ -65,7 +65,7 @@ def _state(name: str, path: SpecPath, resolver: UseResolver) -> Use | None:
         item = ReadItem.model_validate({"parameter": f"r{STATE}", "as": name})
         found = resolver.resolve(item, 0, place, write=False)
         if found is None or (found.format.kind is FormatKind.UNSIGNED and found.format.size > 1):
-            return None if found is None else replace(found, state=True)
+            return None if found is None else replace(found, role=Running())
         problem = f"is {known.type}: the bits that say whether the drive runs are in a word"
     else:
         problem = "has not been looked up: it is not known whether it shows that the drive runs"

@@ -9,7 +9,8 @@ from plcgen.base.diagnostics import Diagnostic, Report, Severity
 from plcgen.base.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.ds47.kinds.kind import ReadItem, WriteItem
 from plcgen.ds47.kinds.registry import kind_called
-from plcgen.ds47.plan.nouns import PlannedRecipe, Use
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import PlannedRecipe
 from plcgen.ds47.plan.types import element_type
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.ds47.recipes import RecipeEntry

@@ -9,8 +9,8 @@ from math import inf
 
 from plcgen.base.diagnostics import Diagnostic, Report, Severity
 from plcgen.ds47.device import limit_text
-from plcgen.ds47.kinds.kind import Awaited, StepItem, WriteItem
-from plcgen.ds47.plan.nouns import Part, Use
+from plcgen.ds47.kinds.kind import StepItem, Wait, WriteItem
+from plcgen.ds47.plan.access import Part, Use
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.ds47.wire.formats import FormatKind, integer_range
 from plcgen.project.spec import LoadedSpec, SpecPath
@@ -38,7 +38,7 @@ def resolved_steps(
 
 
 def _waiting(
-    use: Use, one: StepItem, awaited: Awaited, place: SpecPath, loaded: LoadedSpec, resolver: UseResolver
+    use: Use, one: StepItem, awaited: Wait, place: SpecPath, loaded: LoadedSpec, resolver: UseResolver
 ) -> Use | None:
     """A use that waits, with the value in its ``data``; None after PG251 or what is wrong with the value."""
     why = _why_not(use, awaited, one.wanted, loaded)
@@ -46,7 +46,7 @@ def _waiting(
         resolver.problem("PG251", f"{use.label} cannot be waited for: {why[0]}", (*place, "parameter"), why[1])
         return None
     name = one.item.as_ or f"{use.member}{'' if awaited.bit is None else f'Bit{awaited.bit}'}Step{one.step}"
-    use = replace(use, awaited=awaited, member=shorten(name, resolver.longest_name))
+    use = replace(use, role=awaited, member=shorten(name, resolver.longest_name))
     _limits(use, awaited, one.wanted, place, resolver)
     if awaited.bit is not None:
         return replace(use, data=(int(one.wanted) << awaited.bit).to_bytes(use.format.size))
@@ -58,7 +58,7 @@ def _waiting(
 _NO_BITS = frozenset({FormatKind.FLOAT, FormatKind.BOOLEAN, FormatKind.OPAQUE})
 
 
-def _why_not(use: Use, awaited: Awaited, wanted: object, loaded: LoadedSpec) -> tuple[str, str] | None:
+def _why_not(use: Use, awaited: Wait, wanted: object, loaded: LoadedSpec) -> tuple[str, str] | None:
     """Why a value cannot be compared, and what to do about it."""
     fmt = use.format
     if fmt.is_string or use.count > 1:
@@ -82,7 +82,7 @@ def _why_not(use: Use, awaited: Awaited, wanted: object, loaded: LoadedSpec) -> 
 _OPPOSITE = {"=": "<>", "<>": "=", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
 
 
-def _limits(use: Use, awaited: Awaited, wanted: object, place: SpecPath, resolver: UseResolver) -> None:
+def _limits(use: Use, awaited: Wait, wanted: object, place: SpecPath, resolver: UseResolver) -> None:
     """PG251 if the limits of the parameter decide a condition: it is waited for in vain, or not at all."""
     parameter = use.parameter
     value = parameter.values.get(wanted) if isinstance(wanted, str) else wanted
@@ -123,7 +123,7 @@ def _never(operator: str, value: float, low: float, high: float) -> bool:
 
 def divided(packed: Sequence[tuple[Part, ...]], loaded: LoadedSpec, report: Report) -> bool:
     """PG251: the conditions of a step do not fit one telegram, so that they would not be true at the same time."""
-    steps = [parts[0].use for parts in packed if parts[0].use.awaited is not None]
+    steps = [parts[0].use for parts in packed if parts[0].use.as_(Wait)]
     for first, second in pairwise(steps):
         if first.step == second.step:
             message = f"the conditions of step {first.step} do not fit one telegram"

@@ -12,7 +12,8 @@ from plcgen.base.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.ds47 import guards
 from plcgen.ds47.device import Fact, Parameter, limit_text
 from plcgen.ds47.kinds.kind import ReadItem, WriteItem
-from plcgen.ds47.plan.nouns import PlannedDrive, Use
+from plcgen.ds47.plan.access import Compare, Read, Use, Write
+from plcgen.ds47.plan.nouns import PlannedDrive
 from plcgen.ds47.plan.pack import MAX_TELEGRAMS
 from plcgen.ds47.references import Reference, parse_reference, spelling_hint
 from plcgen.ds47.types import TypeTextError, read_type
@@ -111,12 +112,12 @@ class UseResolver:
             elements=count if fmt.is_string else self._elements(reference, values, write=write),
             count=count,
             data=data,
-            constant=constant,
             sources=self.device.bico == "drive-object" and _names_sources(start, parameter, fmt),
             member=item.as_ or shorten(_member(parameter, reference), self.longest_name),
             comment=item.comment or {},
             path=path,
-            writes=write,
+            item=item,
+            role=_role(item, constant=constant, write=write),
         )
 
     def _elements(self, reference: Reference, values: int, *, write: bool) -> int:
@@ -290,6 +291,13 @@ class UseResolver:
             self.problem("PG208", f"{fmt.name}[{count}] takes {count} octets, not {len(data)}", path)
             return None
         return data.ljust(count)
+
+
+def _role(item: ReadItem | WriteItem, *, constant: bool, write: bool) -> Read | Write | Compare:
+    """What an item that has a value of this side is for depends on whether the job writes."""
+    if write:
+        return Write(constant)
+    return Compare(constant) if isinstance(item, WriteItem) else Read()
 
 
 _ENDS: tuple[Fact, ...] = ("min", "max")

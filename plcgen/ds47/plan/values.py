@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.fields import interface_type
-from plcgen.ds47.plan.nouns import Use
 from plcgen.ds47.wire.bico import read_bico
 from plcgen.project.target import Target
 from plcgen.s7.types.data_types import ArrayType, Elementary

@@ -5,7 +5,8 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator, Mapping
 
-from plcgen.ds47.plan.nouns import DriveJob, Use
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.compared import SIGN, swapped
 from plcgen.ds47.proof.keeping import anything, moved, other
 from plcgen.ds47.proof.points import ends, positions

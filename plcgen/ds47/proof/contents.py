@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import timedelta
 
-from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram, Part, Use
+from plcgen.ds47.plan.access import Part, Use
+from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.ds47.proof import clocked
 from plcgen.ds47.proof.scenario import Contents
 from plcgen.ds47.sim.bench import DRAWN, repeated

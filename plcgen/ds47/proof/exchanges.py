@@ -13,7 +13,8 @@ from typing import Literal
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, PlcgenError, Span
 from plcgen.base.diagnostics.counting import shortlist
-from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part
+from plcgen.ds47.plan.access import Part
+from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram
 from plcgen.ds47.sim.bench import build_drive
 from plcgen.ds47.sim.drive import Drive
 from plcgen.ds47.sim.faults import Fault, FaultKind

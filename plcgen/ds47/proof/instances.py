@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 
+from plcgen.ds47.plan.access import Verify
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.ds47.proof import clocked, listed
 from plcgen.ds47.proof.contents import ValueSet, alike, held, masked, piece, taken_values, value_set, values_of
@@ -172,11 +173,12 @@ class Trio:
                     if self._shared(one):
                         continue  # which of them was first is not known
                     there = taken_values(use, one.values.held[use.parameter.pnu])
-                if use.verifies is not None:
-                    there = one.values.given[use.verifies.position]
+                back = use.as_(Verify)
+                if back is not None:
+                    there = one.values.given[back.of.position]
                 here = one.values.given[use.position] if use.writes else one.db.bytes(use.member, len(there))
-                if use.verifies is not None and use.verifies.bits and self._shared(one):
-                    here, there = (masked(data, use.verifies.mask) for data in (here, there))
+                if back is not None and back.of.bits and self._shared(one):
+                    here, there = (masked(data, back.of.mask) for data in (here, there))
                 if here != there and not (use.writes and self._shared(one)):
                     raise ScenarioError(
                         f"{use.label} is {here.hex(' ')} at instance {one.key}, {there.hex(' ')} in its drive"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plcgen.ds47.plan.nouns import Part, Use
+from plcgen.ds47.plan.access import Part, Use
 from plcgen.ds47.sim.parameters import Keeps
 from plcgen.ds47.wire.formats import FormatKind, Value, pack_values, unpack_values
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from plcgen.ds47.device import Device, Fact, limit_text
-from plcgen.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DrivePlan, PlannedDrive
 from plcgen.ds47.proof.published import Form
 from plcgen.ds47.references import number_of
 from plcgen.ds47.wire import formats

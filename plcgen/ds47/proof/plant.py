@@ -7,7 +7,8 @@ from functools import partial
 from itertools import islice, product
 from typing import Any
 
-from plcgen.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, DriveTelegram, PlannedUnit
 from plcgen.ds47.proof import clocked, listed, recorded
 from plcgen.ds47.proof.contents import ValueSet, alike, piece, value_set, values_of
 from plcgen.ds47.proof.pace import SCAN, Pace

@@ -11,7 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from plcgen.base.diagnostics import Diagnostic, Span
-from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, Use
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.ds47.wire import codec, formats
 from plcgen.ds47.wire.bico import SELF, BicoSource, read_bico
 from plcgen.ds47.wire.model import ErrorBlock, ParameterAddress, Request, RequestId, Response, ValueBlock

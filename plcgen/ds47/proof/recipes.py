@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from plcgen.ds47.plan.nouns import DriveJob, Use
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.points import fault
 from plcgen.ds47.proof.recorded import members
 from plcgen.ds47.proof.scenario import DriveScenario

@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from plcgen.ds47.plan.nouns import DriveJob, Use
+from plcgen.ds47.plan.access import Use, Verify
+from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.contents import ValueSet
 from plcgen.proof.rig import Members, Spot
 
@@ -82,5 +83,5 @@ class Records:
 def shared(values: ValueSet, job: DriveJob, record: Mapping[int, bytes]) -> ValueSet:
     """The values of a job that takes a record with these wire bytes, by position of the use."""
     given = {use.position: record[use.position] for use in members(job)}
-    given |= {use.position: given[use.verifies.position] for use in job.uses if use.verifies is not None}
+    given |= {use.position: given[back.of.position] for use in job.uses if (back := use.as_(Verify))}
     return replace(values, given={**values.given, **given})

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram, Use
+from plcgen.ds47.plan.access import Running, Use, Verify
+from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.ds47.proof.contents import held, told
 from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.ds47.proof.words import DEVIATES, DONE, NO_ANSWER, WORDS
@@ -142,7 +143,7 @@ class Restoration:
         left = WORDS["LEFT" if self.unlike(NOW) - returning else "RESTORED"]
         if not returning:
             return left, NOW
-        state = next((n for n, part in enumerate(self.shape(NOW).parts) if part.use.state), None)
+        state = next((n for n, part in enumerate(self.shape(NOW).parts) if part.use.as_(Running)), None)
         if state is not None and int.from_bytes(self.values(NOW)[state]) & RUNS:
             return WORDS["RUNS"], NOW
         if not self.complete(RETURN):
@@ -197,8 +198,8 @@ class Restoration:
         found = []
         for place, part in enumerate(self.shape(BACK).parts):
             other = None
-            if part.use.verifies is not None:
-                other = first_other(part.use, self.given[part.use.verifies.position], came[place])
+            if back := part.use.as_(Verify):
+                other = first_other(part.use, self.given[back.of.position], came[place])
             found.append((0, 0) if other is None else (DEVIATES, other))
         return found
 

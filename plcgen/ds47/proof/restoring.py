@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from plcgen.ds47.plan.nouns import DriveJob, Part
+from plcgen.ds47.plan.access import Part
+from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.keeping import other
 from plcgen.ds47.proof.points import fault, positions
 from plcgen.ds47.proof.restored import BACK, CHECK, NOT_SAVED, NOW, OLD, OUTCOMES, RETURN, RUNS, WRITE

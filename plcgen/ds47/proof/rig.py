@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, Part
+from plcgen.ds47.plan.access import Part, Running, Verify
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram
 from plcgen.ds47.proof import clocked, listed
 from plcgen.ds47.proof.contents import ValueSet, held, kept, piece, value_set
 from plcgen.ds47.proof.partner import ScriptedDrive
@@ -161,7 +162,7 @@ class JobRig:
     def report(self, state: int) -> None:
         """The drive reports whether it runs."""
         for use in self.job.uses:
-            if use.state:
+            if use.as_(Running):
                 self.drive.objects[self.drive_object].parameters[use.parameter.pnu].values[0] = state
 
     def address(self, *, other_bit: bool) -> None:
@@ -217,8 +218,8 @@ class JobRig:
             return self._listed(listed.wanted(self.job, self.drive, self.drive_object, self.values.given))
         known = {use.position: held(self.drive, self.drive_object, use) for use in self.job.outputs}
         for use in self.job.outputs:
-            if use.verifies is not None:
-                known[use.position] = kept(use, self.values.given[use.verifies.position], keeps)
+            if back := use.as_(Verify):
+                known[use.position] = kept(use, self.values.given[back.of.position], keeps)
         return [[piece(part, known[part.use.position]) for part in t.parts if not t.writes] for t in self.job.telegrams]
 
     def delivered(self) -> list[list[bytes]]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from plcgen.ds47.kinds.kind import Poll
+from plcgen.ds47.plan.access import Verify
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.block_clock import STANDSTILL_MS
 from plcgen.ds47.proof.pace import SCAN
@@ -175,7 +176,7 @@ def _guard(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
 
 def _deviation(job: DriveJob) -> Iterator[DriveScenario]:
     """What is not as written is not saved; the next start may be at once."""
-    telegram = next(one for one in job.telegrams if one.parts[0].use.verifies is not None)
+    telegram = next(one for one in job.telegrams if one.parts[0].use.as_(Verify))
     yield replace(another(telegram, 1), follow=False)
     yield DriveScenario(name="at once again: nothing was saved", since=0, follow=False)
 

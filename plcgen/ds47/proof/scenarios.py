@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcgen.base.diagnostics.counting import shortlist
-from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram, Part
+from plcgen.ds47.plan.access import Part
+from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.ds47.proof.clocking import clocking
 from plcgen.ds47.proof.comparing import comparing
 from plcgen.ds47.proof.listing import listing

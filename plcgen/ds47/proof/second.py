@@ -13,7 +13,8 @@ from functools import partial
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity, Span, has_errors
 from plcgen.base.diagnostics.counting import quantity
-from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedDrive, Use
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedDrive
 from plcgen.ds47.plan.types import element_type
 from plcgen.ds47.proof.exchanges import ExchangeError, sound_image, talk, telegram_name
 from plcgen.ds47.sim.bench import build_drive

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram, Use
+from plcgen.ds47.kinds.kind import Wait
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.ds47.proof.scenario import DriveScenario
 
 TRIGGERS = {15, 970, 971, 972, 973, 974, 976, 977, 3900, 3981}
@@ -19,7 +21,7 @@ def triggers(use: Use) -> bool:
 def overwritten(job: DriveJob, use: Use) -> bool:
     """Whether a later step of a sequence writes the parameter too, or waits for another value of it."""
     later = (one for one in job.uses if one.step > use.step and one.parameter.pnu == use.parameter.pnu)
-    return any(one.writes or one.awaited is not None for one in later)
+    return any(one.writes or one.as_(Wait) is not None for one in later)
 
 
 def longest_waits(job: DriveJob) -> int:

@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from plcgen.ds47.kinds.kind import Awaited
-from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram, Part
+from plcgen.ds47.kinds.kind import Wait
+from plcgen.ds47.plan.access import Part
+from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.ds47.proof.block_clock import STANDSTILL_MS
 from plcgen.ds47.proof.points import replaced_values, value_at
 from plcgen.ds47.proof.scenario import Contents, DriveScenario, Edit
@@ -60,7 +61,7 @@ def stepping(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
 def _near(telegram: DriveTelegram, place: int, part: Part) -> Iterator[DriveScenario]:
     """Every value that a wrong comparison would take for another one: it will do, or it is asked again."""
     number = telegram.number
-    if part.use.awaited is not None and part.use.awaited.follows:
+    if (awaited := part.use.as_(Wait)) and awaited.follows:
         yield from _apart(telegram, place, part)
         return
     for data in _values(part):
@@ -85,7 +86,7 @@ def _apart(telegram: DriveTelegram, place: int, part: Part) -> Iterator[DriveSce
             )
 
 
-def _late(job: DriveJob, telegram: DriveTelegram, awaited: Awaited) -> Iterator[DriveScenario]:
+def _late(job: DriveJob, telegram: DriveTelegram, awaited: Wait) -> Iterator[DriveScenario]:
     """What is waited for comes later, or never; of several conditions the first that is not true is told."""
     number, each = telegram.number, range(1, len(telegram.parts) + 1)
     count = max(1, min(LATE, awaited.limit // awaited.interval - 1))
@@ -114,7 +115,7 @@ def _late(job: DriveJob, telegram: DriveTelegram, awaited: Awaited) -> Iterator[
     )
 
 
-def _trouble(job: DriveJob, telegram: DriveTelegram, awaited: Awaited) -> Iterator[DriveScenario]:
+def _trouble(job: DriveJob, telegram: DriveTelegram, awaited: Wait) -> Iterator[DriveScenario]:
     """The second question is refused, or never answered."""
     number = telegram.number
     missing = _missing(telegram, range(1, len(telegram.parts) + 1))
@@ -174,7 +175,7 @@ def _all_late(waits: list[DriveTelegram]) -> DriveScenario:
     return DriveScenario(name="every step waits", reads=reads, questions=questions, meddle=True, guarded=True)
 
 
-def _wide(job: DriveJob, awaited: Awaited) -> int:
+def _wide(job: DriveJob, awaited: Wait) -> int:
     """Length in ms of the scans of a job that waits as long as it may: it asks less often if they are longer."""
     return max(10, min(awaited.limit // 5_000, job.timeout // 100))
 
@@ -268,7 +269,7 @@ def _shape_of(telegram: DriveTelegram) -> tuple[int, ...]:
 
 def _holds(part: Part, data: bytes) -> bool:
     """Whether a value is what is waited for."""
-    use, awaited = part.use, part.use.awaited
+    use, awaited = part.use, part.use.as_(Wait)
     assert awaited is not None  # noqa: S101 - parts that wait
     if awaited.bit is not None:
         same = int.from_bytes(data) >> awaited.bit & 1 == int.from_bytes(use.data) >> awaited.bit & 1
@@ -283,7 +284,7 @@ def _holds(part: Part, data: bytes) -> bool:
 
 def _values(part: Part) -> list[bytes]:
     """Values on both sides of the one that is compared with."""
-    use, awaited = part.use, part.use.awaited
+    use, awaited = part.use, part.use.as_(Wait)
     fmt = use.format
     if fmt.kind is FormatKind.BOOLEAN:
         return [b"\x00", b"\x01"]

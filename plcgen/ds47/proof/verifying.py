@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 
-from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram, Part, Use
+from plcgen.ds47.plan.access import Part, Running, Use, Verify
+from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.ds47.proof.keeping import anything, moved, only, other
 from plcgen.ds47.proof.points import fault, positions
 from plcgen.ds47.proof.rig import VALUE_SETS
@@ -21,14 +22,14 @@ NOT_ALLOWED = 0x11
 
 def verifying(job: DriveJob) -> Iterator[DriveScenario]:
     """All of them."""
-    telegrams = [telegram for telegram in job.telegrams if telegram.parts[0].use.verifies is not None]
+    telegrams = [telegram for telegram in job.telegrams if telegram.parts[0].use.as_(Verify)]
     for telegram in telegrams:
         for place, part in _compared(telegram):
             yield from _each(job, telegram, place, part)
         yield from _near_zero(job, telegram)
     for telegram in dict.fromkeys((telegrams[0], telegrams[-1])):
         for place in positions(telegram):
-            if not telegram.parts[place - 1].use.state:
+            if not telegram.parts[place - 1].use.as_(Running):
                 yield from _one_octet(telegram, place)
         if len(_compared(telegram)) > 1:
             yield from _several(job, telegram)
@@ -47,12 +48,13 @@ def _each(job: DriveJob, telegram: DriveTelegram, place: int, part: Part) -> Ite
 
 def _compared(telegram: DriveTelegram) -> list[tuple[int, Part]]:
     """The parts that are read back, with their places: the state of the drive is not."""
-    return [(place, part) for place, part in enumerate(telegram.parts, 1) if part.use.verifies is not None]
+    return [(place, part) for place, part in enumerate(telegram.parts, 1) if part.use.as_(Verify)]
 
 
 def _pieces(job: DriveJob, part: Part) -> list[int]:
     """Where in a part that is read begins what one telegram has written."""
-    written = [one for sent in job.telegrams for one in sent.parts if one.use is part.use.verifies]
+    back = part.use.as_(Verify)
+    written = [one for sent in job.telegrams for one in sent.parts if back is not None and one.use is back.of]
     return sorted({max(one.start - part.start, 0) for one in written if one.start < part.start + part.count})
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plcgen.ds47.kinds.kind import Awaited
+from plcgen.ds47.kinds.kind import Wait
 from plcgen.ds47.proof.block_clock import STANDSTILL_MS, BlockClock
 from plcgen.ds47.proof.rig import JobRig
 from plcgen.ds47.proof.words import STEP_MS, WORDS
@@ -23,7 +23,7 @@ class Waiting:
         self.want, self.telegram = rig.unit.get("asks[1].want", signed=True), rig.telegram
         self.before: int | None = None
         """Telegrams in front of this turn at the unit; None: the job has not started."""
-        self.awaited: Awaited | None = None
+        self.awaited: Wait | None = None
         """Of the telegram that was handed over last."""
         self.first = self.asked = 0
         """When it was handed over first, and last."""

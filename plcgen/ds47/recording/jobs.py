@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import partial
 
-from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, Use
+from plcgen.ds47.plan.access import Compare, Recount, Use
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.ds47.sim.awaited import let_come
 from plcgen.ds47.sim.drive import Drive
 from plcgen.ds47.wire.errors import error_text
@@ -184,10 +185,10 @@ class DriveJobWatch:
         value: Value | None = None
         if use.bits:
             value = None  # what the word is besides its bits, the old one says
-        elif (use.writes or use.compared) and use.constant:
+        elif use.constant:
             values = [_octets(item) for item in unpack_values(use.format, use.count, use.data)]
             value = recorded_value(values[0] if len(values) == 1 else values)
-        elif use.again is None and (use.writes or use.compared or (finished and word in {0, ERROR_DEVIATES})):
+        elif not use.as_(Recount) and (use.supplied or (finished and word in {0, ERROR_DEVIATES})):
             value = recorded_value(self._cpu[f"{self._path}.{value_path(self._planned, use)}"])
         parameter = use.parameter
         text = error_text(number).explain(info) if number is not None else ""
@@ -201,7 +202,7 @@ def value_path(job: DriveJob, use: Use) -> str:
     if job.messages is None and not use.recorded:
         return use.member
     number = next(one.number for one in job.telegrams if one.parts[-1].use.position >= use.position)
-    view = "Request" if use.writes else "Wanted" if use.compared else "Response"
+    view = "Request" if use.writes else "Wanted" if use.as_(Compare) else "Response"
     return f"stat{view}View{number if len(job.telegrams) > 1 else ''}.{use.member}"
 
 

@@ -13,7 +13,8 @@ from plcgen.ds47.rules.places import given_start, parameter_span
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, Use
+    from plcgen.ds47.plan.access import Use
+    from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 
 _SHOWN = 4
 
@@ -24,7 +25,7 @@ def unconnected(plan: DrivePlan) -> Iterator[Diagnostic]:
         instances = plan.instances(shape)
         for use in shape.supplied:
             found = next((job for job in instances if use.parameter.pnu in job.drive.device.bases), None)
-            if found is not None and use.writes and not given_start(plan, shape, use):
+            if found is not None and use.writes and not given_start(use):
                 device = found.drive.device.key
                 what = "member of the records" if use.recorded else "input"
                 message = f"{use.label} is a limit or reference value of {device}, and its {what} has no start value"
@@ -39,7 +40,7 @@ def left_open(plan: DrivePlan) -> Iterator[Diagnostic]:
         if not shape.inputs:
             continue
         written = [_written(plan, use) for use in shape.inputs]
-        open_ = [use.label for use in shape.inputs if not given_start(plan, shape, use)]
+        open_ = [use.label for use in shape.inputs if not given_start(use)]
         choose = f", or choose: {open_[0]}: {{start: ..}}" if open_ and not kind_called(shape.kind).fixed else ""
         help_ = f"connect its inputs{choose}" if open_ else ""
         does, to = ("writes", "to") if shape.writes else ("wants", "of")

@@ -15,7 +15,8 @@ from plcgen.ds47.rules.places import member_span, parameter_span
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, PlannedDrive, Use
+    from plcgen.ds47.plan.access import Use
+    from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, PlannedDrive
 
 _OWN = frozenset(
     {

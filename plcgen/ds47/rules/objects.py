@@ -15,7 +15,8 @@ from plcgen.project.rules.places import key_or_value
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive, Use
+    from plcgen.ds47.plan.access import Use
+    from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
 
 
 def no_types(plan: DrivePlan) -> Iterator[Diagnostic]:

@@ -7,15 +7,17 @@ from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, Note, Severity
 from plcgen.ds47 import guards
+from plcgen.ds47.plan.access import Compare, Remember, Use, Verify, Write
 from plcgen.ds47.plan.types import element_type
 from plcgen.ds47.references import number_of
-from plcgen.ds47.rules.places import of_drive, on_any_drive, parameter_span, spelling
+from plcgen.ds47.rules.places import of_drive, on_any_drive, parameter_span
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from plcgen.ds47.device import Parameter
-    from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, Use
+    from plcgen.ds47.plan.access import Use
+    from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 
 _OPAQUE = frozenset({"BinaryDate", "TimeOfDay", "TimeDifferenceWithDate"})
 
@@ -32,12 +34,12 @@ def _no_access(plan: DrivePlan, job: DriveJob, use: Use) -> tuple[str, str] | No
     if use.writes and use.parameter.access == "r":
         help_ = "the drive would answer error 01h: remove it from write, or read it in another job"
         return "can only be read", help_
-    if use.writes and not use.parameter.source and spelling(plan, job, use).strip()[:1] in {"r", "R"}:
+    if use.writes and not use.parameter.source and use.item.parameter.strip()[:1] in {"r", "R"}:
         if use.parameter.pnu in plan.own_numbers(job.drive):
             return None
         what = "is written with r, which marks a read-only parameter"
         return what, f"write P{use.parameter.pnu} if the drive accepts values for it"
-    if not use.writes and use.parameter.access == "w" and use.verifies is None and use.remembers is None:
+    if not use.writes and use.parameter.access == "w" and not isinstance(use.role, Verify | Remember):
         return "can only be written", f"remove it from {job.kind}"
     return None
 
@@ -47,7 +49,7 @@ def repeated(plan: DrivePlan) -> Iterator[Diagnostic]:
     for job in plan.shapes:
         bynumber_of: dict[tuple[int, int], list[Use]] = {}
         for use in job.uses:
-            if not (use.writes or use.compared):
+            if not isinstance(use.role, Write | Compare):
                 continue
             bynumber_of.setdefault((use.parameter.pnu, use.step), []).append(use)
         for uses in bynumber_of.values():

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeVar
 
-from plcgen.ds47.kinds.registry import kind_called
 from plcgen.project.rules.places import node_at
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from plcgen.base.diagnostics import Span
-    from plcgen.ds47.kinds.kind import ReadItem, WriteItem
-    from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, Use
+    from plcgen.ds47.plan.access import Use
+    from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 
 Found = TypeVar("Found")
 
@@ -55,23 +54,6 @@ def member_span(plan: DrivePlan, use: Use) -> Span:
     return parameter_span(plan, use) if given is None else given.span
 
 
-def spelling(plan: DrivePlan, job: DriveJob, use: Use) -> str:
-    """Quote the parameter as the spec writes it."""
-    item = _item(plan, job, use)
-    return "" if item is None else item.parameter
-
-
-def given_start(plan: DrivePlan, job: DriveJob, use: Use) -> bool:
+def given_start(use: Use) -> bool:
     """Whether the spec gives an input its start value."""
-    return getattr(_item(plan, job, use), "start", None) is not None
-
-
-def _item(plan: DrivePlan, job: DriveJob, use: Use) -> ReadItem | WriteItem | None:
-    """What the spec says of a use; old values stand in front of those that are written."""
-    items = plan.spec.items(plan.entry(job), kind_called(job.kind))
-    if any(one.bits for one in job.uses):
-        at = use.path[-1]
-        return items[at] if (use.writes or use.bit is not None) and isinstance(at, int) else None
-    front = next(n for n, one in enumerate(job.uses) if one.writes) if job.restores else 0
-    at = use.position - 1 - front
-    return items[at] if 0 <= at < len(items) else None
+    return getattr(use.item, "start", None) is not None

@@ -8,6 +8,7 @@ from plcgen.base.diagnostics import Diagnostic
 from plcgen.ds47 import guards
 from plcgen.ds47.kinds.clock import UTC
 from plcgen.ds47.kinds.registry import kind_called
+from plcgen.ds47.plan.access import Verify
 from plcgen.ds47.rules.places import of_drive, on_any_drive, parameter_span
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 def readable(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG246: what is written cannot be read, or is not what the drive has afterwards."""
-    for job, use, why in on_any_drive(plan, lambda _, use: "" if use.verifies is None else _why_not(use.parameter)):
+    for job, use, why in on_any_drive(plan, lambda _, use: _why_not(use.parameter) if use.as_(Verify) else ""):
         yield Diagnostic(
             "PG246",
             f"{use.label}{of_drive(plan, job)} cannot be read back: {why}",

@@ -5,7 +5,9 @@ from __future__ import annotations
 import operator
 
 from plcgen.ds47.kinds.activate import ACTIVATES
-from plcgen.ds47.plan.nouns import DriveJob, Use
+from plcgen.ds47.kinds.kind import Wait
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.sim.parameters import DriveObject
 from plcgen.ds47.wire.formats import Value, integer_range, pack_values, unpack_values
 
@@ -17,14 +19,14 @@ _COMPARES = {
 def let_come(item: DriveObject, job: DriveJob, step: int) -> None:
     """A step of a job asks: from now on the drive object has what it waits for; a value that will do stays."""
     for use in job.uses:
-        if use.step == step and use.awaited is not None:
+        if use.step == step and use.as_(Wait):
             values = item.parameters[use.parameter.pnu].values
             values[use.subindex] = _come(use, values[use.subindex], item)
 
 
 def _come(use: Use, value: Value, item: DriveObject) -> Value:
     """A value as it is if it will do, else the one that is compared with or its neighbour."""
-    awaited, fmt = use.awaited, use.format
+    awaited, fmt = use.as_(Wait), use.format
     wanted = unpack_values(fmt, 1, use.data)[0]
     if awaited is None:
         return value

@@ -7,8 +7,10 @@ from collections.abc import Iterable, Mapping
 from plcgen.ds47.device import Device
 from plcgen.ds47.device import Parameter as CatalogueParameter
 from plcgen.ds47.kinds.acknowledge import ACKNOWLEDGES
+from plcgen.ds47.kinds.kind import Poll
 from plcgen.ds47.kinds.save import SAVES
-from plcgen.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DrivePlan, PlannedDrive
 from plcgen.ds47.sim.behaviour import Behaviour
 from plcgen.ds47.sim.drive import Drive
 from plcgen.ds47.sim.faults import Fault
@@ -72,7 +74,7 @@ def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParam
     array = definition.array is not None or highest > 1
     count = max(definition.array or 1, highest)
     drawn = [_value(use, definition, seed * 16 + index, distinct=distinct) for index in range(min(count, DRAWN))]
-    polled = any(u.poll is not None for u in group)
+    polled = any(u.as_(Poll) for u in group)
     limits = ValueLimits(definition.minimum, definition.maximum) if fmt.kind in _NUMERIC else ValueLimits()
     return SimulatedParameter(
         pnu=definition.pnu,

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from plcgen.ds47.plan.nouns import DriveField, DriveJob, DriveTelegram, Use
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DriveField, DriveJob, DriveTelegram
 
 _BYTE = 0xFF
 

@@ -10,7 +10,8 @@ from plcgen.build.members import plain
 from plcgen.build.nouns import Contribution, DataBlock, FunctionBlock, GuidePart
 from plcgen.ds47 import guards, hardware
 from plcgen.ds47.effects import UNCLASSIFIED
-from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedUnit, Use
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedUnit
 from plcgen.ds47.plan.values import literals_text
 from plcgen.ds47.views.calls import CONTROL_TITLES, calls, part
 from plcgen.ds47.views.deviations import deviation_types

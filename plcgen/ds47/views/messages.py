@@ -9,8 +9,9 @@ from plcgen.build.members import plain
 from plcgen.build.nouns import CallerValue, TypeBlock
 from plcgen.build.spelling import declared_type, literal, one_line, type_words
 from plcgen.ds47.kinds.messages import PLACES
+from plcgen.ds47.plan.access import Column, Part, Use
 from plcgen.ds47.plan.fields import interface_type
-from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, MessageList, Part, Use
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, MessageList
 from plcgen.ds47.plan.pack import BLOCK_HEADER
 from plcgen.ds47.wire.model import HEADER_SIZE
 from plcgen.s7.types.data_types import Elementary
@@ -37,9 +38,9 @@ def entry_types(plan: DrivePlan) -> Iterator[TypeBlock]:
     for job in plan.shapes:
         if job.messages is not None:
             rows = [
-                plain(plan, camel_case(use.column), _column_type(plan, use), one_line(_column_text(use)))
+                plain(plan, camel_case(column.name), _column_type(plan, use), one_line(_column_text(use)))
                 for use in job.uses
-                if use.column and use.group == 0
+                if (column := use.as_(Column)) and column.group == 0
             ]
             yield TypeBlock(job.messages.type, rows, job.comment)
 
@@ -71,13 +72,19 @@ def messages_view(plan: DrivePlan, job: DriveJob, found: MessageList) -> dict[st
                 "code": next(column for column in columns if column["name"] == "code"),
             }
             for group, latest_last in enumerate(found.settings.latest_last)
-            if (columns := [_column(plan, use, views) for use in job.uses if use.column and use.group == group])
+            if (
+                columns := [
+                    _column(plan, use, column, views)
+                    for use in job.uses
+                    if (column := use.as_(Column)) and column.group == group
+                ]
+            )
         ],
     }
 
 
-def _column(plan: DrivePlan, use: Use, views: dict[int, str]) -> dict[str, str]:
-    return {"name": camel_case(use.column), "view": views[use.position], "zero": _zero(plan, use)}
+def _column(plan: DrivePlan, use: Use, column: Column, views: dict[int, str]) -> dict[str, str]:
+    return {"name": camel_case(column.name), "view": views[use.position], "zero": _zero(plan, use)}
 
 
 def _view_of(telegram: DriveTelegram, part: Part) -> str:

@@ -10,9 +10,11 @@ from plcgen.build.control import signals
 from plcgen.build.nouns import CallerValue, Command, FunctionBlock
 from plcgen.build.simaticml import RECORD_NOTE
 from plcgen.build.spelling import clean_title, comment_text, encodable, literal, one_line
+from plcgen.ds47.kinds.kind import Poll, Wait
 from plcgen.ds47.kinds.registry import kind_called
+from plcgen.ds47.plan.access import Compare, Mask, Part, Recount, Remember, Use, Verify, Write
 from plcgen.ds47.plan.fields import interface_type
-from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Part, Use
+from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram
 from plcgen.ds47.plan.pack import BLOCK_HEADER
 from plcgen.ds47.plan.types import element_type
 from plcgen.ds47.views.bits import bit_inputs, merges
@@ -116,7 +118,7 @@ def _job_title(plan: DrivePlan, job: DriveJob) -> str:
 def _accesses(job: DriveJob) -> str:
     """What is done with which parameters."""
     verb = job.kind.capitalize() + (" and read back" if job.verified else "")
-    uses = [use for use in job.uses if use.poll is None and use.verifies is None and use.modifies is None]
+    uses = [use for use in job.uses if not isinstance(use.role, Poll | Verify | Mask)]
     then = ""
     if job.restores:
         uses, then = [use for use in uses if use.writes], ", or restore"
@@ -214,7 +216,7 @@ def _statuses(
 
 def _features(job: DriveJob) -> list[str]:
     """What a job does besides sending and taking: files in ``templates/ds47/features``, in the order they declare."""
-    steps = "waiting_sequence" if any(use.awaited is not None for use in job.uses) else "sequence"
+    steps = "waiting_sequence" if job.waits else "sequence"
     found = {
         "save": job.poll is not None and job.poll.saves,
         "acknowledge": job.poll is not None and not job.poll.saves,
@@ -305,16 +307,18 @@ def _order(job: DriveJob) -> list[tuple[str, str]]:
 
 def _label(plan: DrivePlan, job: DriveJob, use: Use) -> str:
     """Line of the header: which index of ``errors`` belongs to which parameter."""
-    if use.awaited is not None:
+    if use.as_(Wait):
         title = f", {use.parameter.title}" if use.parameter.title else ""
         return one_line(f"{use.position}: step {use.step} waits for {condition_text(plan, job, use)}{title}")
-    does = "writes" if use.writes else "compares" if use.compared else "reads" if use.verifies is None else "reads back"
-    does = does if use.remembers is None else "remembers"
-    does += " again" if use.again is not None else ""
+    does = _DOES.get(type(use.role), "reads")
     does = f"step {use.step} {does}" if use.step else does
     text = f"{use.position}: {does} {use.label} {use.parameter.title}"
     return one_line(text)
 
+
+_DOES = {
+    Write: "writes", Compare: "compares", Verify: "reads back", Remember: "remembers", Recount: "reads again",
+}  # fmt: skip
 
 _UNROLLED = 2
 """Parameters of a telegram whose results are copied one by one: fewer bytes than a loop."""
@@ -331,17 +335,17 @@ def _aligned(job: DriveJob) -> bool:
 
 def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligned: bool) -> dict[str, Any]:
     first = telegram.parts[0].use.position
-    closes = telegram.parts[0].use.again is not None
+    closes = telegram.parts[0].use.as_(Recount) is not None
     blocks = [_block(index, part) for index, part in enumerate(telegram.parts, 1)]
     return {
         "writes": telegram.writes,
         "saves": telegram.writes and telegram.parts[0].use in job.saving,
-        "asks": telegram.parts[0].use.poll is not None,
+        "asks": telegram.parts[0].use.as_(Poll) is not None,
         "step": telegram.step,
         "once": "TRUE" if telegram.once else "FALSE",
         "awaited": telegram.awaited,
         "closes": closes,
-        "read_back": any(part.use.verifies is not None for part in telegram.parts),
+        "read_back": any(part.use.as_(Verify) for part in telegram.parts),
         "taken": f"{_way(job, telegram)}:" if _way(job, telegram) else "ELSE",
         "built": f"{_built(job, telegram)}:" if _way(job, telegram) else "ELSE",
         "merges": list(merges(job, telegram)),
@@ -349,7 +353,7 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
         "wanted": _bytes(right_answer(telegram), v5=plan.target.v5) if job.deviations is not None else "",
         "compares": None if job.deviations is None else compared_view(job, telegram, job.deviations),
         "asks_for_inputs": job.deviations is not None
-        and any(part.use.compared and not part.use.constant for part in telegram.parts),
+        and any(part.use.as_(Compare) and not part.use.constant for part in telegram.parts),
         "suffix": job.suffix(telegram),
         "request_type": telegram.request.type.name,
         "response_type": telegram.response.type.name,
@@ -431,7 +435,7 @@ def _copies(
         result = f"errors[{field.part.use.position}]"
         if not aligned:
             result = f"unit.errors[{blocks[id(field.part)]}]"
-        verifies = field.part.use.verifies is not None
+        verifies = field.part.use.as_(Verify) is not None
         copies.append({**copy, "result": result, "verifies": verifies})
     return copies
 

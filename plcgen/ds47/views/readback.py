@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram, Use
+from plcgen.ds47.plan.access import Use, Verify
+from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.ds47.wire.formats import FormatKind, unpack_values
 
 
@@ -32,7 +33,7 @@ def readback_view(job: DriveJob) -> dict[str, Any]:
 
 def _read_back(job: DriveJob) -> list[DriveTelegram]:
     """Telegrams that ask for what was written."""
-    return [telegram for telegram in job.telegrams if any(part.use.verifies is not None for part in telegram.parts)]
+    return [telegram for telegram in job.telegrams if any(part.use.as_(Verify) for part in telegram.parts)]
 
 
 def stops(job: DriveJob) -> bool:
@@ -51,8 +52,9 @@ def _comparisons(job: DriveJob, answer: DriveTelegram) -> Iterator[dict[str, Any
         if came.role != "value" or came.part is None:
             continue
         found, size, opens = came.part, came.part.use.format.size, True
+        back = found.use.as_(Verify)
         for telegram, sent in asked:
-            if sent.role != "value" or sent.part is None or sent.part.use is not found.use.verifies:
+            if sent.role != "value" or sent.part is None or back is None or sent.part.use is not back.of:
                 continue
             start = max(found.start, sent.part.start)
             count = min(found.start + found.count, sent.part.start + sent.part.count) - start

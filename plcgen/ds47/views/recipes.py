@@ -9,8 +9,9 @@ from typing import Any
 from plcgen.build.members import plain
 from plcgen.build.nouns import CallerValue, DataBlock, MemberRow, StartAssignment, TypeBlock
 from plcgen.build.spelling import literal, type_words
+from plcgen.ds47.plan.access import Part, Use
 from plcgen.ds47.plan.fields import interface_type
-from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, Part, PlannedRecipe, Use
+from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, PlannedRecipe
 from plcgen.ds47.plan.types import element_type
 from plcgen.ds47.views.rows import interface_row
 from plcgen.ds47.wire.formats import FormatKind, integer_range, pack_values

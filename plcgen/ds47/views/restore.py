@@ -8,6 +8,7 @@ from typing import Any
 from plcgen.build.members import plain
 from plcgen.build.nouns import CallerValue
 from plcgen.build.spelling import type_words
+from plcgen.ds47.plan.access import Running, Verify
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.ds47.wire.model import ADDRESS_SIZE
 
@@ -30,8 +31,8 @@ def restore_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
     """
     _, written, back = job.telegrams[:3]
     fields = [field for field in back.response.fields if field.role == "value" and field.part is not None]
-    values = [field for field in fields if field.part is not None and field.part.use.verifies is not None]
-    state = next((field for field in fields if field.part is not None and field.part.use.state), None)
+    values = [field for field in fields if field.part is not None and field.part.use.as_(Verify)]
+    state = next((field for field in fields if field.part is not None and field.part.use.as_(Running)), None)
     sizes = [field.part.size for field in values if field.part is not None]
     tia, ahead = not plan.target.v5, ADDRESS_SIZE * len(values)
     last = state.offset + state.part.size - 1 if state is not None and state.part is not None else 0

@@ -7,8 +7,10 @@ from functools import partial
 from plcgen.build.members import assignments, buffer_member, display_format, initializer, plain
 from plcgen.build.nouns import DataBlock, MemberRow, TypeBlock
 from plcgen.build.spelling import comment_text, declared_type, literal, one_line
+from plcgen.ds47.kinds.kind import Wait
+from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.fields import interface_type
-from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, Use
+from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan
 from plcgen.ds47.views.texts import field_texts
 from plcgen.project.nouns import BlockRef, Buffer
 from plcgen.s7.types.data_types import Elementary
@@ -32,7 +34,7 @@ def interface_row(plan: DrivePlan, use: Use, *, start: bool) -> MemberRow:
     initial = initializer(type_, use.data, v5=where.v5) if start and any(use.data) else ""
     unit = f" [{use.parameter.unit}]" if use.parameter.unit else ""
     own = comment_text(use.comment, plan.languages, where, use.parameter.title)
-    if use.awaited is not None:
+    if use.as_(Wait):
         own = f"{own or 'value'}, as last read in step {use.step}"
     return plain(
         plan, use.member, declared_type(type_, tia=not where.v5), one_line(f"{use.label} {own}{unit}"), start=initial

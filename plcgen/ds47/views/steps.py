@@ -8,8 +8,10 @@ from typing import Any
 from plcgen.build.members import plain
 from plcgen.build.nouns import CallerValue
 from plcgen.build.spelling import literal, type_words
+from plcgen.ds47.kinds.kind import Wait
+from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.fields import interface_type
-from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram, Use
+from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram
 from plcgen.ds47.plan.types import element_type
 from plcgen.ds47.plan.values import literals_text
 from plcgen.ds47.wire.formats import FormatKind, unpack_values
@@ -52,7 +54,7 @@ def sequence_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
 
 def condition_text(plan: DrivePlan, job: DriveJob, use: Use) -> str:
     """``r722.0 = 1`` or ``r21 > 100.0``."""
-    awaited = use.awaited
+    awaited = use.as_(Wait)
     assert awaited is not None  # noqa: S101 - only uses that wait come here
     if awaited.follows:
         return f"{use.label} = bit 0 of {job.uses[0].label}"
@@ -95,7 +97,7 @@ def _comparison(plan: DrivePlan, job: DriveJob, field: DriveField, member: str) 
     """One comparison: of a number in floating point as such, of others byte by byte, the first one with its sign."""
     assert field.part is not None  # noqa: S101 - fields of values only
     use = field.part.use
-    awaited = use.awaited
+    awaited = use.as_(Wait)
     assert awaited is not None  # noqa: S101 - all parts of such a telegram wait
     shown = {"label": condition_text(plan, job, use), "number": use.parameter.pnu, "operator": awaited.operator}
     if use.format.kind is FormatKind.FLOAT:

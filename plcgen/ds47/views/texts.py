@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from plcgen.build.phrases import translated
-from plcgen.ds47.plan.nouns import DriveField, Use
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DriveField
 
 _REQUEST: dict[str, tuple[str, str, str]] = {
     "reference": ("request reference 1..255", "Auftragsreferenz 1..255", "请求参考 1..255"),

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from plcgen.ds47.device import Parameter
-from plcgen.ds47.plan.nouns import Use
+from plcgen.ds47.kinds.kind import ReadItem
+from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.pack import longest_response, negative_length, pack, positive_length, request_length
 from plcgen.ds47.wire.formats import by_name
 
@@ -24,11 +26,11 @@ def use(type_: str, count: int = 1, position: int = 1) -> Use:
         count,
         count,
         bytes(count * fmt.size),
-        True,
         False,
         f"m{position}",
         {},
         (),
+        ReadItem(parameter=f"P{position}"),
     )
 
 
@@ -103,7 +105,7 @@ def test_a_value_longer_than_a_record_cannot_be_packed() -> None:
     long = use("OctetString", 1, 1)
     assert (
         pack(
-            [Use(1, long.parameter, long.format, None, 1, 236, bytes(236), True, False, "m", {}, ())],
+            [replace(long, count=236, data=bytes(236))],
             240,
             39,
             write=False,

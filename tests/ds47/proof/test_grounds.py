@@ -9,7 +9,8 @@ import pytest
 import yaml
 
 from plcgen.ds47.plan import units
-from plcgen.ds47.plan.nouns import DrivePlan, PlannedDrive, Use
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DrivePlan, PlannedDrive
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.project.nouns import Project
 from plcgen.project.opening import open_spec

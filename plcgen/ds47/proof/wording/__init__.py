@@ -12,8 +12,10 @@ from functools import cached_property
 from types import MappingProxyType
 
 from plcgen.base.diagnostics import Diagnostic
+from plcgen.ds47.kinds.kind import Poll, Wait
 from plcgen.ds47.kinds.registry import kind_called
-from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, Use
+from plcgen.ds47.plan.access import Column, Compare, Mask, Recount, Remember, Use, Verify, Write
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.ds47.proof.wording import guide
 from plcgen.ds47.proof.wording.grounds import Stated, groundless, stated_of
 from plcgen.ds47.proof.wording.meanings import Meanings, lengths, of_answer, of_request
@@ -169,7 +171,9 @@ class DriveWording:
         return frozenset(
             line(f"r{use.parameter.pnu:04d} {use.parameter.title}{in_unit(use)}")
             for use in job.uses
-            if use.column.replace("_", "").lower() == member.lower() and use.group == 0
+            if (column := use.as_(Column))
+            and column.name.replace("_", "").lower() == member.lower()
+            and column.group == 0
         )
 
     # ---- titles
@@ -240,7 +244,7 @@ class DriveWording:
     def _what(self, job: DriveJob) -> str:
         """The kind of a job and the parameters that its telegrams name."""
         called = labels(job)
-        uses = [use for use in job.uses if use.poll is None and use.verifies is None and use.modifies is None]
+        uses = [use for use in job.uses if not isinstance(use.role, Poll | Verify | Mask)]
         uses = [use for use in uses if use.writes] if job.restores else uses
         then = ", or restore" if job.restores else ""
         if job.verified and job.poll is not None:
@@ -317,20 +321,19 @@ class DriveWording:
         """Whether a line says which access has a number: what is done with which parameter, or what is waited for."""
         step = f"step {use.step} " if use.step else ""
         if not self.english:
-            conditions = _CONDITION.findall(text) if use.awaited is not None else ()
-            waits = use.awaited is None or any(waits_for(c, job, use, called, english=False) for c in conditions)
-            front = f"{use.position}: {step}{'' if use.awaited else called}"
+            conditions = _CONDITION.findall(text) if use.as_(Wait) else ()
+            waits = not use.as_(Wait) or any(waits_for(c, job, use, called, english=False) for c in conditions)
+            front = f"{use.position}: {step}{'' if use.as_(Wait) else called}"
             return waits and states(text, front)
         front = f"{use.position}: {step}"
         if not text.startswith(front):
             return False
         rest, title = text.removeprefix(front), line(use.parameter.title)
-        if use.awaited is not None:
+        if use.as_(Wait):
             said = rest.removeprefix("waits for ").removesuffix(f", {title}" if title else "")
             return rest.startswith("waits for ") and waits_for(said, job, use, called)
-        verb = "writes" if use.writes else "compares" if use.compared else "reads back" if use.verifies else "reads"
-        verb = "remembers" if use.remembers is not None else verb
-        return rest == line(f"{verb}{' again' if use.again is not None else ''} {called} {title}")
+        verb = _VERBS.get(type(use.role), "reads")
+        return rest == line(f"{verb} {called} {title}")
 
     def _known(self, text: str, wanted: Iterable[str]) -> bool:
         return agrees(text, frozenset(wanted), english=self.english)
@@ -395,6 +398,11 @@ class DriveWording:
         return [
             (good, max(longest, one.pinned or 0)) for (good, longest), one in zip(found, job.telegrams, strict=True)
         ]
+
+
+_VERBS = {
+    Write: "writes", Compare: "compares", Verify: "reads back", Remember: "remembers", Recount: "reads again",
+}  # fmt: skip
 
 
 def _features(job: DriveJob) -> frozenset[str]:

@@ -11,7 +11,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from plcgen.base.diagnostics import Diagnostic, Span
-from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive, Use
+from plcgen.ds47.plan.access import Use, Verify
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
 from plcgen.ds47.proof.stated.source import effects, kinds_of_others, spec_source
 from plcgen.ds47.proof.wording.naming import line
 from plcgen.oracles.spec.ds47.course import value_bytes
@@ -146,7 +147,7 @@ def _of_access(job: DriveJob, use: Use, stated: StatedAccess) -> Iterator[str]:
     ):
         if found != wanted:
             yield f'of {stated.written} documents say "{what}: {found}", spec and profile "{what}: {wanted}"'
-    own = use.verifies is None and not use.precedes and not use.bits  # else it says what it is there for
+    own = not use.as_(Verify) and not use.precedes and not use.bits  # else it says what it is there for
     if stated.comments is not None and own and _lines(use.comment.values()) != _lines(stated.comments):
         texts = _lines(use.comment.values()), _lines(stated.comments)
         yield "of {} documents say {}, the spec says {}".format(stated.written, *texts)

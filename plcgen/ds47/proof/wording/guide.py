@@ -9,7 +9,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive, Use
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
 from plcgen.ds47.proof.wording.grounds import Stated
 from plcgen.ds47.proof.wording.naming import labels, same_number
 from plcgen.oracles.spec.ds47.signing import SAFETY

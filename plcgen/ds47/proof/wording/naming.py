@@ -8,7 +8,9 @@ from __future__ import annotations
 import math
 import re
 
-from plcgen.ds47.plan.nouns import DriveJob, Use
+from plcgen.ds47.kinds.kind import Wait
+from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.wording.meanings import AskedValue, numbers, subindices
 from plcgen.ds47.wire.formats import unpack_values
 from plcgen.proof.wording.model import stated_facts
@@ -57,7 +59,7 @@ def titles(use: Use) -> frozenset[str]:
 
 def value_texts(use: Use, called: str) -> frozenset[str]:
     """What a member with the value of an access may say."""
-    if use.awaited is not None:
+    if use.as_(Wait):
         found = {f"{called} {title or 'value'}, as last read in step {use.step}" for title in titles(use)}
         return frozenset(f"{text}{in_unit(use)}" for text in found)
     return frozenset(line(f"{called} {title}{in_unit(use)}") for title in titles(use))
@@ -88,7 +90,7 @@ def first_labels(names: list[str]) -> str:
 
 def waits_for(text: str, job: DriveJob, use: Use, called: str, *, english: bool = True) -> bool:
     """Whether a text says what an access waits for: ``r722.0 = 1``, ``r21 > 100.0``, ``r106 = bit 0 of P105``."""
-    awaited, found = use.awaited, _CONDITION.fullmatch(text)
+    awaited, found = use.as_(Wait), _CONDITION.fullmatch(text)
     if awaited is None or found is None or found["operator"] != awaited.operator:
         return False
     if awaited.follows:
