@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from plcgen.ds47.plan import units
-from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.access import Read, Use, Write
 from plcgen.ds47.plan.nouns import DrivePlan, PlannedDrive
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.project.nouns import Project
@@ -52,7 +52,7 @@ def test_a_plan_as_it_should_be_says_nothing_else_than_the_spec(planned) -> None
 CHANGES: dict[str, tuple[Callable[[Use], Use], str]] = {
     "number": (lambda use: replace(use, parameter=replace(use.parameter, pnu=1120)), "do not say that it writes P1121"),
     "value": (lambda use: replace(use, data=b"\x41\x20\x00\x00"), "P1121 gets 41 20 00 00"),
-    "constant": (lambda use: replace(use, constant=True), "P1121 is a constant"),
+    "constant": (lambda use: replace(use, role=Write(constant=True)), "P1121 is a constant"),
     "unit": (lambda use: replace(use, parameter=replace(use.parameter, unit="ms")), '"unit: ms"'),
     "title": (
         lambda use: replace(use, parameter=replace(use.parameter, title="Ramp-up time")),
@@ -64,7 +64,7 @@ CHANGES: dict[str, tuple[Callable[[Use], Use], str]] = {
     ),
     "comment": (lambda use: replace(use, comment={}), "of P1121 documents say []"),
     "index": (lambda use: replace(use, first=0), '"has an index: True"'),
-    "service": (lambda use: replace(use, writes=False), "documents say that it reads P1121"),
+    "service": (lambda use: replace(use, role=Read()), "documents say that it reads P1121"),
 }
 
 
