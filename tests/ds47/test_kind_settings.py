@@ -9,6 +9,7 @@ import jsonschema
 import pytest
 
 from plcgen import api
+from plcgen.ds47.kinds.kind import Wait
 from plcgen.ds47.plan.nouns import DrivePlan
 
 HEAD = "plc: {{name: a, family: s7-1500, toolchain: tia-v19}}\ndrives: {{d: {{device: {device}, hardware_id: 270}}}}\n"
@@ -166,7 +167,7 @@ def test_the_short_form_of_a_wait(short: str, long: str, tmp_path: Path) -> None
         project = api.check(path).project
         assert project is not None
         (use,) = project.plan(DrivePlan).jobs[0].uses
-        found.append((use.label, use.awaited, use.data))
+        found.append((use.label, use.as_(Wait), use.data))
     assert found[0] == found[1]
 
 

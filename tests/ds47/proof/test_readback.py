@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
+from plcgen.ds47.plan.access import Verify
 from plcgen.ds47.plan.nouns import DrivePlan
 from plcgen.ds47.proof.plant import Plant
 from plcgen.ds47.proof.rig import JobRig
@@ -256,4 +257,7 @@ def test_what_is_written_is_listed_once(tmp_path: Path) -> None:
     assert api.generate(path, tmp_path / "out").ok
     text = (tmp_path / "out" / "IMPORT.md").read_text("utf-8")
     assert text.count("| P1120 |") == 1
-    assert [use.verifies is not None for use in api.check(path).project.plan(DrivePlan).jobs[0].uses] == [False, True]
+    assert [use.as_(Verify) is not None for use in api.check(path).project.plan(DrivePlan).jobs[0].uses] == [
+        False,
+        True,
+    ]
