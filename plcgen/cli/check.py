@@ -131,7 +131,7 @@ def command(
     if format_.name != "text" or found.diagnostics or output is not None:
         out.show(format_, "findings", found, output)
     if format_.name == "text":
-        _summary(out, found, blocks if sources else None)
+        _summary(out, found, blocks if sources else None, program=program)
     if known is not None:
         gone = f"; {compared.gone} are gone: record it again" if compared.gone else ""
         out.say(f"{compared.known} known of {baseline} left out{gone}")
@@ -310,7 +310,7 @@ def _programs(
     return [(Path(file).as_posix(), list(dict.fromkeys(found))) for file, found in by_file.items()], blocks
 
 
-def _summary(out: Console, found: Findings, blocks: int | None) -> None:
+def _summary(out: Console, found: Findings, blocks: int | None, *, program: bool) -> None:
     """Say how it went in one line."""
     from plcgen.base.display.excerpts import summary_text
 
@@ -318,5 +318,6 @@ def _summary(out: Console, found: Findings, blocks: int | None) -> None:
         out.say("")
     kind = "specs" if blocks is None else "files"
     where = found.subjects[0][0] if len(found.subjects) == 1 else f"{len(found.subjects)} {kind}"
-    inside = "" if blocks is None else f" ({quantity(blocks, 'block')})"
+    read = "" if program else "; types and names not checked: --program"
+    inside = "" if blocks is None else f" ({quantity(blocks, 'block')}{read})"
     out.say(summary_text(found.diagnostics, where + inside))

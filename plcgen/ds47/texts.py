@@ -63,7 +63,8 @@ def dissect_telegram(
         else:
             codec.decode_response(data, request=asked)
     except codec.TelegramError as problem:
-        problems += [(item.offset, item.message) for item in problem.problems]
+        known = (item for item in problem.problems if item.message != codec.RESERVED_REFERENCE)
+        problems += [(item.offset, item.message) for item in known]
     fields = dissect_request(data) if guess == "request" else dissect_response(data)
     return DecodedTelegram(guess, data, tuple(_field(f, data, labels) for f in fields), tuple(problems))
 

@@ -104,13 +104,19 @@ def test_malformed_telegram(plcgen):
     assert result.code == 1
     assert "! 10         missing" in result.out
     assert result.err.startswith(
-        "error[PG702]: byte 0: the request reference 00h is reserved\n"
-        " --> <arguments>:1:1\n"
+        "error[PG702]: byte 10: the address of parameter 2 needs 6 bytes, the telegram has 0 left\n"
+        " --> <arguments>:1:30\n"
         "  |\n"
         "1 | 00 01 02 02 10 01 C4 7F 00 00\n"
-        "  | ^^\n"
+        "  |                              ^\n"
     )
-    assert "byte 10: the address of parameter 2 needs 6 bytes" in result.err
+
+
+def test_what_a_maker_prints_is_no_error(plcgen):
+    """ifm, RM30 p. 26: a change of P65000 with the reference 00h, which the profile reserves."""
+    result = plcgen("decode", "00 02 00 01 10 00 FD E8 00 00 43 01 00 00 00 64")
+    assert (result.code, result.err) == (0, "")
+    assert "reserved in PROFIdrive; some makers print it" in result.out
 
 
 def test_decode_from_stdin(plcgen):

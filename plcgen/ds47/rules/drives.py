@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, Note, Severity
+from plcgen.base.diagnostics.counting import shortlist
+from plcgen.ds47.hardware import PROFIBUS_INDEX
 from plcgen.project.rules.places import key_or_value, node_at
 
 if TYPE_CHECKING:
@@ -46,6 +48,24 @@ def without_clock(plan: DrivePlan) -> Iterator[Diagnostic]:
             key_or_value(plan, (*drive.path, "drive_object")),
             help="add the control unit to the unit as a drive with drive_object: 1, and set its clock",
         )
+
+
+def behind_a_processor(plan: DrivePlan) -> Iterator[Diagnostic]:
+    """PG263, a note: on an S7-300 PROFINET may be that of a communications processor, where SFB 52/53 do not reach.
+
+    The help of the TIA Portal (SIMATIC NET CPs for S7-300) has PNIO_RW_REC for records there.
+    """
+    drives = [drive for drive in plan.drives if drive.record_index != PROFIBUS_INDEX]
+    if plan.target.family != "s7-300" or not drives:
+        return
+    names = shortlist([drive.key for drive in drives], _SHOWN, f" and {len(drives) - _SHOWN} more")
+    yield Diagnostic(
+        "PG263",
+        f"on PROFINET: {names}; WRREC and RDREC reach what is connected to the CPU itself, nothing at a CP 343-1",
+        plan.loaded.key_span(drives[0].path),
+        Severity.NOTE,
+        help="at a CP 343-1, connect the drives to the CPU or to a PROFIBUS of the CPU",
+    )
 
 
 def unused_address(plan: DrivePlan) -> Iterator[Diagnostic]:

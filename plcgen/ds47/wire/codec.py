@@ -34,6 +34,9 @@ from plcgen.ds47.wire.model import (
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+RESERVED_REFERENCE = "the request reference 00h is reserved"
+"""What the profile says of it; some makers print requests with it all the same (ifm, RM30 p. 26)."""
+
 
 @dataclass(frozen=True, slots=True)
 class Problem:
@@ -117,7 +120,7 @@ class _Reader:
 def _header(reader: _Reader) -> tuple[int, int, int, int]:
     reference, identifier, drive_object, count = reader.take(HEADER_SIZE, "the header")
     if reference == 0:
-        reader.violation(0, "the request reference 00h is reserved")
+        reader.violation(0, RESERVED_REFERENCE)
     if not 1 <= count <= MAX_PARAMETERS:
         reader.violation(3, f"{count} parameters; a telegram has 1 to {MAX_PARAMETERS}")
     return reference, identifier, drive_object, count

@@ -60,8 +60,9 @@ def _identifier(walker: _Walker, name: str, known: dict[int, str]) -> int:
 
 def _header(walker: _Walker, mirror: str, name: str, known: dict[int, str]) -> tuple[int, int]:
     reference = walker.peek(1)
-    bad = "the reference 00h is reserved" if walker.left and reference == 0 else ""
-    walker.add(1, f"request reference{mirror}", f"{reference:02X}h", bad, problem=bool(bad))
+    reserved = walker.left and reference == 0
+    told = "reserved in PROFIdrive; some makers print it (ifm, RM30 p. 26)" if reserved else ""
+    walker.add(1, f"request reference{mirror}", f"{reference:02X}h", told)
     identifier = _identifier(walker, name, known)
     walker.number(1, f"drive object{mirror}")
     count = walker.peek(1)
