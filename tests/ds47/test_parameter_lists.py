@@ -97,7 +97,9 @@ def test_every_line_of_a_list_can_be_used(name: str) -> None:
 _LISTS = {
     "sinamics-s120": ("vector", "cu", "a_inf", "tb30", "tm15", "tm31", "tm41", "tm120", "tm150"),
     "sinamics-s150": ("vector", "cu"), "sinamics-g130": ("vector", "cu"), "sinamics-g150": ("vector", "cu"),
-    "sinamics-s210": ("s210_fw5",),
+    "sinamics-s210": ("s210_fw5",), "sinamics-s210-fw6": ("s210_fw6",), "sinamics-g220": ("g220",),
+    "sinamics-g220-clean-power": ("g220_clean_power",), "sinamics-s200": ("s200_pn",),
+    "sinamics-s200-basic": ("s200_basic_pn",),
 }  # fmt: skip
 _WITH_MODULE = "the row has the values with the function module for speed control, the list those without"
 _WHY = {
@@ -207,3 +209,23 @@ def test_a_missing_type_is_not_invented(tmp_path: Path) -> None:
 def test_no_device_is_taken_for_another(name: str, meant: str) -> None:
     """A slip of the pen gets a name; another letter or number of a product does not."""
     assert device_hint(name, device_names()) == (f'did you mean "sinamics-{meant}"?' if meant else "")
+
+
+def test_an_encoder_gets_the_preset_that_its_manual_prints(tmp_path: Path) -> None:
+    """HEIDENHAIN, PROFINET user manual p. 53, table 25: a change of P65000, format 04h (Integer32), one value; the
+    drive object is 00h (Baumer AMG11 p. 32), one parameter for each request (r974[1] = 1).
+    """
+    spec = tmp_path / "job.yaml"
+    spec.write_text(
+        "plc: {name: Roll, family: s7-1500, toolchain: tia-v19}\n"
+        "drives: {enc: {device: profidrive-encoder, hardware_id: 270}}\n"
+        "jobs:\n  preset: {drive: enc, write: {preset_value: 1000}}\n  look: {drive: enc, read: ['r65001[1]', P971]}\n",
+        "utf-8",
+    )
+    result = api.encode(spec)
+    assert not result.diagnostics
+    assert [one.data.hex(" ") for one in result.telegrams] == [
+        "01 02 00 01 10 01 fd e8 00 00 04 01 00 00 03 e8",
+        "01 01 00 01 10 01 fd e9 00 01",
+        "02 01 00 01 10 01 03 cb 00 00",
+    ]

@@ -110,6 +110,7 @@ def test_what_is_no_request(record: int, request_: str, why: str) -> None:
 UNDOCUMENTED = {
     "profidrive", "sinamics-g110m", "sinamics-g115d", "sinamics-g120c", "sinamics-g130", "sinamics-s150",
     "sinamics-s210", "sinamics-s210-fw6", "sinamics-s200", "sinamics-s200-basic", "sinamics-g220",
+    "sinamics-g220-clean-power", "profidrive-encoder",
 }  # fmt: skip
 """No device, or none with a document about its channel and its drive objects that was found."""
 
