@@ -1,4 +1,4 @@
-"""``plcgen audit``: hand-written buffers, telegrams and the calls that send them against a spec."""
+"""``plcgen audit``: hand-written buffers and the calls that send them against a spec."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 @format_option("verification")
 @output_option()
 def command(*, paths: tuple[Path, ...], spec: Path, strict: bool, format_: OutputFormat, output: Path | None) -> int:
-    """Audit hand-written request and response DBs, PPI telegrams, and the calls that send them.
+    """Audit hand-written request and response DBs, and the calls that send them.
 
     The spec says what is to be read or written. The data blocks (.db .udt .scl .awl, SimaticML) are matched to
-    its jobs by number, name or start values and compared member by member; telegrams are compared byte by byte.
+    its jobs by number, name or start values and compared member by member.
     Exit code 1 if there is an error, 2 if nothing of the spec was found in the sources.
     """
     from plcgen import api
@@ -39,7 +39,7 @@ def command(*, paths: tuple[Path, ...], spec: Path, strict: bool, format_: Outpu
     code = out.verification(format_, result, output)
     outcomes = [check.outcome for check in result.checks()]
     if code == OK and all(outcome is Outcome.NOT_RUN for outcome in outcomes):
-        out.say("nothing was checked: name the sources with the buffers or telegrams of this spec, and its calls")
+        out.say("nothing was checked: name the sources with the buffers of this spec, and its calls")
         return USAGE
     if code == OK and strict and Outcome.NOT_RUN in outcomes:
         out.say("--strict: a check that was not run is an error")

@@ -115,11 +115,11 @@ class Ppi:
 
         return PpiProof(plan)
 
-    def audit(self, plan: PpiPlan, sources: Sources) -> Audited:
-        """Hand-written telegrams, and the calls of the serial modules."""
-        from plcgen.ppi.audit.run import audit
+    def audit(self, plan: PpiPlan, sources: Sources) -> Audited:  # noqa: ARG002 - there is nothing to compare
+        """Nothing: no hand-written PPI master with its telegrams in data blocks is known."""
+        from plcgen.proof.audited import Audited
 
-        return audit(plan, sources)
+        return Audited()
 
     def recording(self, plan: PpiPlan) -> PpiRecording | None:
         """Stations in a simulated run."""
