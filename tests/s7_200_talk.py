@@ -41,9 +41,7 @@ class Talk:
     def request(self, pdu: Request, function: int | None = None) -> bytes:
         """Send a request and return what comes back, E5 if all is well."""
         function = self.count.following() if function is None else function
-        return self.send(
-            encode_request(pdu, destination=self.station, source=self.source, function=function, experimental=True)
-        )
+        return self.send(encode_request(pdu, destination=self.station, source=self.source, function=function))
 
     def poll(self, function: int | None = None) -> bytes:
         """Ask for the answer."""

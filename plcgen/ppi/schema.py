@@ -71,7 +71,9 @@ class PpiStation(StrictModel):
     """One S7-200 on the line."""
 
     address: int = Field(ge=0, le=126, description="PPI address of the CPU; 2 is the factory setting")
-    cpu: CpuName = Field("226", description="221, 222, 224, 224XP, 226, ST20 or ST40: how much memory it has")
+    cpu: CpuName = Field(
+        "226", description="221, 222, 224R1 (release 1), 224, 224XP, 226, ST20 or ST40: how much memory it has"
+    )
     symbols: Printed | dict[Name, Name] | None = Field(
         None, description="CSV export of the Micro/WIN symbol table beside the spec, or symbols with their addresses"
     )

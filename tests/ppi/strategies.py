@@ -110,7 +110,7 @@ def frames(draw):
         return model.DataFrame(destination, source, function, draw(st.binary(min_size=8, max_size=8)))
     from plcgen.ppi.wire.pdu import encode_pdu
 
-    return model.VariableFrame(destination, source, function, encode_pdu(draw(pdus), experimental=True))
+    return model.VariableFrame(destination, source, function, encode_pdu(draw(pdus)))
 
 
 @st.composite

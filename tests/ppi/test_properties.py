@@ -21,7 +21,7 @@ from tests.ppi.strategies import damaged, frames, pdus
 @given(pdus)
 def test_pdu_symmetry(pdu):
     """decode(encode(pdu)) is the PDU."""
-    assert decode_pdu(encode_pdu(pdu, experimental=True)) == pdu
+    assert decode_pdu(encode_pdu(pdu)) == pdu
 
 
 @given(frames())
@@ -33,7 +33,7 @@ def test_frame_symmetry(frame):
 
 
 encoded = frames().map(encode_frame)
-anything = st.binary(max_size=60) | damaged(encoded) | damaged(pdus.map(lambda pdu: encode_pdu(pdu, experimental=True)))
+anything = st.binary(max_size=60) | damaged(encoded) | damaged(pdus.map(encode_pdu))
 
 
 def closed(data):
@@ -68,10 +68,10 @@ def test_decoding_raises_ppi_errors_only(data):
     with contextlib.suppress(PpiError):
         telegram = decode_telegram(data)
         if isinstance(telegram.frame, VariableFrame):
-            assert encode_pdu(telegram.pdu, experimental=True) == telegram.frame.pdu
+            assert encode_pdu(telegram.pdu) == telegram.frame.pdu
     with contextlib.suppress(PpiError):
         pdu = decode_pdu(data)
-        assert encode_pdu(pdu, experimental=True) == data
+        assert encode_pdu(pdu) == data
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ def test_vector(name):
     assert decode_telegram(octets(row)).pdu == pdu(row)
     if isinstance(frame(row), VariableFrame):
         assert decode_pdu(frame(row).pdu) == pdu(row)
-        assert encode_pdu(pdu(row), experimental=True) == frame(row).pdu
+        assert encode_pdu(pdu(row)) == frame(row).pdu
 
 
 @pytest.mark.parametrize("name", [name for name, row in FRAMES.items() if "text" in row])

@@ -400,6 +400,11 @@ ORDINARY = {
         "ppi: {a: {module: cp341, address: 256, comment: 水位, stations: {s: {address: 2}}, "
         "jobs: {r: {station: s, read: [{item: VW100, comment: 水位}], comment: 水位}}}}\n"
     ),
+    "names that STEP 7 V5 shortens": (
+        "plc: {name: t, family: s7-300, toolchain: step7-v5}\n"
+        "ppi: {rechen_und_sandfang: {module: cp341, address: 256, stations: {rechengutwaschpresse: {address: 2}}, jobs: {"
+        "fernquittierung_der_stoerungen: {station: rechengutwaschpresse, write: {M4.0: null}}}}}\n"
+    ),
     "one constant for all elements of an array": (
         "plc: {name: t, family: s7-1200, toolchain: tia-v19}\n"
         "ppi: {line: {module: cm1241, port: 270, stations: {s: {address: 2}}, "

@@ -34,7 +34,6 @@ class _How:
     function: int
     reference: int
     pack: bool
-    experimental: bool
 
 
 @verb(
@@ -52,7 +51,6 @@ class _How:
 @click.option("--first", is_flag=True, help="First request of a sequence: 6C (the default; poll: 5C).")
 @click.option("--fcb", type=click.IntRange(0, 1), help="Frame count bit of a later request: 0 is 5C, 1 is 7C.")
 @click.option("--pack", is_flag=True, help="Use as many telegrams as needed, and read neighbours together.")
-@click.option("--experimental", is_flag=True, help="Allow force, unforce and writing of T and C, all unconfirmed.")
 @cpu_option
 @symbols_option
 @format_option("answer")
@@ -65,7 +63,6 @@ def command(
     first: bool,
     fcb: int | None,
     pack: bool,
-    experimental: bool,
     cpu: str | None,
     symbols: str | None,
     format_: OutputFormat,
@@ -82,7 +79,7 @@ def command(
 
     verb, rest = words[0].lower(), words[1:]
     _require_usage(verb, rest, first=first, fcb=fcb, stations=(station, source))
-    how = _How(station, source, _function(verb, first=first, fcb=fcb), reference, pack, experimental)
+    how = _How(station, source, _function(verb, first=first, fcb=fcb), reference, pack)
     found: tuple[Diagnostic, ...] = ()
     telegrams: list[bytes] = []
     try:
@@ -137,7 +134,7 @@ def _encode(
     encoded: list[bytes] = []
     function = how.function
     for request in _requests(verb, rest, how, cpu, symbols):
-        encoded.append(encode_request(request, **stations, function=function, experimental=how.experimental))
+        encoded.append(encode_request(request, **stations, function=function))
         function = 0x5C if function == 0x5C else 0x7C  # the poll in between toggles the bit once more
     return encoded
 

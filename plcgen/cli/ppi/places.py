@@ -138,12 +138,9 @@ def telegram_problems(problem: PpiError) -> tuple[Diagnostic, ...]:
     """Return what keeps a telegram from being built, as diagnostics without a word to point at."""
     from plcgen.ppi.wire.errors import Kind
 
-    codes = {Kind.LIMIT: "PG715", Kind.ADDRESS: "PG716", Kind.EXPERIMENTAL: "PG716"}
-    helps = {
-        Kind.LIMIT: "plcgen ppi read and write, and encode --pack, use as many telegrams as needed",
-        Kind.EXPERIMENTAL: "--experimental allows it",
-    }
+    code = {Kind.LIMIT: "PG715"}
+    help_ = {Kind.LIMIT: "plcgen ppi read and write, and encode --pack, use as many telegrams as needed"}
     return tuple(
-        Diagnostic(codes.get(found.kind, "PG716"), found.message, Span(ARGUMENTS), help=helps.get(found.kind, ""))
+        Diagnostic(code.get(found.kind, "PG716"), found.message, Span(ARGUMENTS), help=help_.get(found.kind, ""))
         for found in problem.violations
     )

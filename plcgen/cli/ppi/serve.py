@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     "plcgen ppi serve --fault not_ready:times=always --fault fcs:after=3",
 )
 @click.option("--values", "file", type=PATH, metavar="FILE", help="Stations, values and faults from a YAML file.")
-@click.option("--cpu", metavar="CPU", help="221, 222, 224, 224XP, 226, ST20 or ST40.  [default: 224]")
+@click.option("--cpu", metavar="CPU", help="221, 222, 224R1, 224, 224XP, 226, ST20 or ST40.  [default: 224]")
 @click.option("--station", type=click.IntRange(0, 126), metavar="N", help="Address of the station.  [default: 2]")
 @click.option("--set", "sets", multiple=True, metavar="ADDRESS=VALUE", help="Give an address or symbol a value.")
 @symbols_option

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 )
 @click.argument("words", nargs=-1, required=True, metavar="ADDRESS=VALUE...")
 @click.option("--yes-write", is_flag=True, help="Write the values; without this option they are only shown.")
-@click.option("--experimental", is_flag=True, help="Allow writing of T and C, which no capture confirms.")
 @line_options
 @cpu_option
 @symbols_option
@@ -34,7 +33,6 @@ def command(
     cpu: str | None,
     symbols: str | None,
     yes_write: bool,
-    experimental: bool,
     format_: OutputFormat,
     **given: Any,
 ) -> int:
@@ -53,7 +51,7 @@ def command(
             console().say(entries_text(entries))
             raise click.UsageError("nothing was written: writing needs --yes-write")
         with open_client(given) as client:
-            written = client.write_items(entries, experimental=experimental)
+            written = client.write_items(entries)
         return written_answer(given["port"], entries, written)
 
     return ask(format_, "ppi write", words, question)

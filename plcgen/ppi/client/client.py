@@ -33,9 +33,7 @@ from plcgen.ppi.wire.model import (
     Item,
     ItemResult,
     ItemWrite,
-    Pdu,
     ReadReply,
-    Request,
     RunRequest,
     SetupReply,
     SetupRequest,
@@ -263,9 +261,7 @@ class Client:
 
     # ---- Writing ----------------------------------------------------------------------------------------------
 
-    def write(
-        self, values: Mapping[str, Value | Sequence[bool | int | float]], *, experimental: bool = False
-    ) -> tuple[Written, ...]:
+    def write(self, values: Mapping[str, Value | Sequence[bool | int | float]]) -> tuple[Written, ...]:
         """Write values to addresses or symbols; one result each, in the order given.
 
         Raises DiagnosticError (an address or a value that does not fit), ClientError and LineError.
@@ -276,26 +272,24 @@ class Client:
         except PlaceError as problem:
             diagnostic = Diagnostic(problem.code, problem.message, Span("<values>"), help=problem.help)
             raise DiagnosticError([diagnostic]) from problem
-        return self.write_items(entries, experimental=experimental)
+        return self.write_items(entries)
 
-    def write_items(
-        self, entries: Iterable[tuple[Place, ItemWrite]], *, experimental: bool = False
-    ) -> tuple[Written, ...]:
+    def write_items(self, entries: Iterable[tuple[Place, ItemWrite]]) -> tuple[Written, ...]:
         """Write items with their bytes; everything is checked before the first telegram is sent.
 
-        Raises DiagnosticError (two overlap, a timer or counter without ``experimental``), ClientError and LineError.
+        Raises DiagnosticError (two overlap), ClientError and LineError.
         """
         pairs = tuple(entries)
         try:
             plan = pack_write([entry for _, entry in pairs], rules=replace(WRITING, limit=self.pdu_limit))
             for request in plan.requests():
-                encode_pdu(request, experimental=experimental)
+                encode_pdu(request)
         except PpiError as problem:
             found = [Diagnostic("PG716", violation.message, Span("<values>")) for violation in problem.violations]
             raise DiagnosticError(found) from problem
         replies = []
         for request in plan.requests():
-            reply = self._run(replace(request, reference=self._following()), experimental=experimental)
+            reply = self.exchange.run(replace(request, reference=self._following()))
             if not isinstance(reply, WriteReply):
                 raise self._unexpected("a write is answered with something else")
             replies.append(reply)
@@ -327,7 +321,7 @@ class Client:
 
     def negotiate(self, pdu_size: int = PDU_LIMIT) -> SetupReply:
         """Negotiate the PDU size, optional for an S7-200; a smaller one than 240 is kept to from then on."""
-        reply = self._run(SetupRequest(self._following(), pdu_size))
+        reply = self.exchange.run(SetupRequest(self._following(), pdu_size))
         if not isinstance(reply, SetupReply) or reply.pdu_size < _LEAST_PDU:
             raise self._unexpected("the negotiation is answered with something else")
         self.pdu_limit = min(reply.pdu_size, PDU_LIMIT)
@@ -341,11 +335,8 @@ class Client:
         self._reference = self._reference % 0xFFFF + 1
         return self._reference
 
-    def _run(self, request: Request, *, experimental: bool = False) -> Pdu:
-        return self.exchange.run(request, experimental=experimental)
-
     def _acknowledged(self, request: RunRequest | StopRequest) -> None:
-        reply = self._run(request)
+        reply = self.exchange.run(request)
         if not isinstance(reply, AckReply):
             raise self._unexpected("RUN or STOP is answered with something else")
 

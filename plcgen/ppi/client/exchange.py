@@ -118,9 +118,9 @@ class Exchange:
         self._known = KnownReplies()
         self._asked = False
 
-    def run(self, request: Request, *, experimental: bool = False) -> Pdu:
+    def run(self, request: Request) -> Pdu:
         """Return the answer to a request, see ``run_encoded``. Raises PpiError if the request makes no PDU."""
-        return self.run_encoded(encode_pdu(request, experimental=experimental), request.reference)
+        return self.run_encoded(encode_pdu(request), request.reference)
 
     def run_encoded(self, pdu: bytes, reference: int) -> Pdu:
         """Return the answer to a request whose PDU has this reference.

@@ -138,7 +138,7 @@ class StationCpu:
             return self._switch(reference, Function.PI_SERVICE, Service.RUN, Mode.RUN)
         if isinstance(pdu, StopRequest):
             return self._switch(reference, Function.STOP, Service.STOP, Mode.STOP)
-        if isinstance(pdu, ForceRequest) and self.memory.experimental:
+        if isinstance(pdu, ForceRequest):
             if Service.FORCE in self.protected:
                 return _error(reference, PASSWORD)
             code = self.memory.force(pdu.item, pdu.data)

@@ -171,9 +171,6 @@ class StationKeys(StrictModel):
     frame_count: FrameCountRule = Field("standard", description="what a repeated frame count bit means")
     password: Password = Field(Password(), description="what needs a password")
     write_inputs: bool = Field(default=True, description="false refuses writes to I with 03")
-    experimental: bool = Field(
-        default=False, description="true executes force, unforce and writing of T and C, which no capture confirms"
-    )
     symbols: dict[Name, Any] = Field(default_factory=dict, description="names of addresses")
     values: dict[Name, Any] = Field(default_factory=dict, description="values by address or symbol")
 
@@ -217,7 +214,6 @@ class StationKeys(StrictModel):
             frame_count=self.frame_count,
             protected=self.password.services(),
             write_inputs=self.write_inputs,
-            experimental=self.experimental,
         )
 
 

@@ -19,16 +19,13 @@ _ELEMENT_CODES = frozenset(ELEMENT_SIZES.values())
 class StationMemory:
     """All areas of one CPU, zero at power-on but for SYS and SM0.0, which is always on.
 
-    ``write_inputs`` False refuses writes to I. ``experimental`` allows what no capture confirms: writing timers and
-    counters, and forcing.
+    ``write_inputs`` False refuses writes to I. That timers and counters can be written, and anything be forced, is what
+    one document says; no capture shows it.
     """
 
-    def __init__(
-        self, profile: CpuProfile, type_: str | None = None, *, write_inputs: bool = True, experimental: bool = False
-    ) -> None:
+    def __init__(self, profile: CpuProfile, type_: str | None = None, *, write_inputs: bool = True) -> None:
         self.profile = profile
         self.write_inputs = write_inputs
-        self.experimental = experimental
         self.forced: dict[Item, bytes] = {}
         self._bytes = {area: bytearray(size * _width(area)) for area, size in profile.sizes.items()}
         text = profile.type if type_ is None else type_
@@ -83,6 +80,8 @@ class StationMemory:
         area = item.area
         if area not in self._bytes or (area == Area.V and item.db != Area.V.db):
             return ReturnCode.NOT_AVAILABLE
+        if area in ELEMENT_SIZES and item.size != ELEMENT_SIZES[Area(area)]:
+            return ReturnCode.ACCESS_DENIED  # what a CPU says to T40 as a byte; of C and HC it is assumed
         if not _suits(item):
             return ReturnCode.TYPE_NOT_SUPPORTED
         if item.count == 0:
@@ -102,9 +101,7 @@ class StationMemory:
         area = item.area
         if area in READ_ONLY or (area == Area.I and not self.write_inputs):
             return True
-        if area == Area.SM and item.byte < READ_ONLY_SM:
-            return True
-        return area in ELEMENT_SIZES and not self.experimental
+        return area == Area.SM and item.byte < READ_ONLY_SM
 
     def _get(self, item: Item) -> bytes:
         cell = self._bytes[Area(item.area)]
@@ -134,7 +131,7 @@ def _width(area: Area) -> int:
 def _suits(item: Item) -> bool:
     """Whether an area knows a transport size."""
     if item.area in ELEMENT_SIZES:
-        return item.size == ELEMENT_SIZES[Area(item.area)]
+        return True
     if item.size not in OCTETS or item.size in _ELEMENT_CODES:
         return False
     if item.area == Area.SYS:

@@ -72,11 +72,10 @@ class Station:
         frame_count: FrameCountRule = "standard",
         protected: frozenset[Service] = BY_LEVEL[1],
         write_inputs: bool = True,
-        experimental: bool = False,
     ) -> None:
         if not 0 <= address <= 126:
             raise ValueError(f"a station address is 0 to 126, not {address}")
-        memory = StationMemory(profile(cpu), type_, write_inputs=write_inputs, experimental=experimental)
+        memory = StationMemory(profile(cpu), type_, write_inputs=write_inputs)
         self.cpu = StationCpu(memory, mode, switch, pdu_limit, protected)
         self.address = address
         self.symbols = dict(symbols or {})

@@ -10,6 +10,9 @@ from typing import Any
 from plcgen.ppi.wire.areas import OCTETS, TransportSize
 from plcgen.ppi.wire.model import Item
 
+ON = 0x02
+"""Status byte of a timer whose bit is on: two captures show it for T32 at 32767, where a timer stops; of counters and
+high-speed counters it is assumed."""
 _ELEMENT_BITS = {TransportSize.TIMER: 32, TransportSize.COUNTER: 16, TransportSize.HIGH_SPEED_COUNTER: 32}
 
 
@@ -84,7 +87,7 @@ def _counted(size: TransportSize, value: Any) -> bytes:
         on, value = value.get("on", False), value.get("value", 0)
     if isinstance(value, bool) or not isinstance(value, int) or not isinstance(on, bool):
         raise ValueError("a whole number is needed, or a mapping with value and on")  # noqa: TRY004
-    return bytes((on,)) + _integer(value, bits, signed=value < 0)
+    return bytes((ON if on else 0,)) + _integer(value, bits, signed=value < 0)
 
 
 def _integer(value: int, bits: int, *, signed: bool) -> bytes:

@@ -43,7 +43,6 @@ class Kind(enum.StrEnum):
     RETURN_CODE = "return code"
     SERVICE = "service"
     LIMIT = "limit"
-    EXPERIMENTAL = "experimental"
     MISMATCH = "mismatch"
 
 

@@ -2,7 +2,7 @@
 
 ``32 | ROSCTR | 00 00 | reference | parameter length | data length``, answers add error class and code. For every valid
 PDU ``encode_pdu(decode_pdu(data)) == data`` and ``decode_pdu(encode_pdu(pdu)) == pdu``; forcing and writing of timers
-and counters, which no capture confirms, are decoded always and encoded with ``experimental=True`` only.
+and counters are part of the seed only: no capture shows them.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from plcgen.ppi.wire.areas import (
-    ELEMENT_SIZES,
     ITEM_LIMIT,
     ITEM_SIZE,
     JOB_HEADER,
@@ -77,15 +76,14 @@ def reply_size(items: tuple[Item, ...] | list[Item]) -> int:
 # ---- Encoding -------------------------------------------------------------------------------------------------
 
 
-def encode_pdu(pdu: Pdu, *, experimental: bool = False) -> bytes:
-    """Return the bytes of a PDU. PpiError if it, or the answer it asks for, is longer than ``PDU_LIMIT`` bytes,
-
-    if a value does not fit its field, or if it is unconfirmed and ``experimental`` is not given.
+def encode_pdu(pdu: Pdu) -> bytes:
+    """Return the bytes of a PDU. PpiError if it, or the answer it asks for, is longer than ``PDU_LIMIT`` bytes, or if a
+    value does not fit its field.
     """
     if not 0 <= pdu.reference <= 0xFFFF:
         raise PpiError.of(Kind.VALUE, f"the reference {pdu.reference} is outside 0..65535", 4)
     try:
-        rosctr, error, parameter, data = _parts(pdu, experimental=experimental)
+        rosctr, error, parameter, data = _parts(pdu)
         sizes = len(parameter).to_bytes(2) + len(data).to_bytes(2)
     except PpiError:
         raise
@@ -102,12 +100,11 @@ def encode_pdu(pdu: Pdu, *, experimental: bool = False) -> bytes:
     return encoded
 
 
-def _parts(pdu: Pdu, *, experimental: bool) -> tuple[int, bytes, bytes, bytes]:
+def _parts(pdu: Pdu) -> tuple[int, bytes, bytes, bytes]:
     """ROSCTR, error bytes, parameters and data of a PDU."""
     if isinstance(pdu, ReadRequest):
         return Rosctr.JOB, b"", _item_parameter(Function.READ, pdu.items), b""
     if isinstance(pdu, WriteRequest):
-        _require_confirmed(pdu, experimental=experimental)
         parameter = _item_parameter(Function.WRITE, tuple(entry.item for entry in pdu.items))
         return Rosctr.JOB, b"", parameter, encode_values(pdu.items, trailing_pad=pdu.trailing_pad)
     if isinstance(pdu, RunRequest):
@@ -121,8 +118,6 @@ def _parts(pdu: Pdu, *, experimental: bool) -> tuple[int, bytes, bytes, bytes]:
     if isinstance(pdu, Userdata):
         return Rosctr.USERDATA, b"", pdu.parameter, pdu.data
     if isinstance(pdu, ForceRequest):
-        if not experimental:
-            raise PpiError.of(Kind.EXPERIMENTAL, "force and unforce are not confirmed by a capture")
         return Rosctr.USERDATA, b"", FORCE_PARAMETER, _force_data(pdu)
     return _reply_parts(pdu)
 
@@ -160,11 +155,6 @@ def _item_parameter(function: Function, items: tuple[Item, ...]) -> bytes:
 
 def _setup_parameter(pdu: SetupRequest | SetupReply) -> bytes:
     return bytes((Function.SETUP, 0)) + b"".join(value.to_bytes(2) for value in (pdu.calling, pdu.called, pdu.pdu_size))
-
-
-def _require_confirmed(pdu: WriteRequest, *, experimental: bool) -> None:
-    if not experimental and any(entry.item.area in ELEMENT_SIZES for entry in pdu.items):
-        raise PpiError.of(Kind.EXPERIMENTAL, "writing timers and counters is not confirmed by a capture")
 
 
 def _force_data(pdu: ForceRequest) -> bytes:

@@ -10,8 +10,8 @@ from plcgen.ppi.wire.areas import Area
 
 TYPE_LENGTH = 20
 """SYS begins with the CPU type in so many ASCII characters."""
-SYS_LENGTH = 40
-"""Bytes of SYS at least: libnodave's testPPI -m reads so many. What is behind the type is not known."""
+SYS_LENGTH = 196
+"""Bytes of SYS at least, as seen on a CPU. What stands after the type is not known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class CpuProfile:
 
 @cache
 def profiles() -> Mapping[str, CpuProfile]:
-    """Every CPU of the table by its key: 221, 222, 224, 224XP, 226, ST20, ST40."""
+    """Every CPU of the table by its key: 221, 222, 224R1, 224, 224XP, 226, ST20, ST40."""
     import tomllib
     from importlib.resources import files
 

@@ -58,11 +58,9 @@ def decode_telegram(data: bytes, *, tolerant: bool = False) -> WireTelegram:
     return WireTelegram(seen.frame, seen.pdu, tolerated)
 
 
-def encode_request(
-    pdu: Request, *, destination: int = 2, source: int = 0, function: int = FIRST, experimental: bool = False
-) -> bytes:
+def encode_request(pdu: Request, *, destination: int = 2, source: int = 0, function: int = FIRST) -> bytes:
     """Return the SD2 frame of a request; stations default to the usual PLC (2) and PC (0)."""
-    return encode_frame(VariableFrame(destination, source, function, encode_pdu(pdu, experimental=experimental)))
+    return encode_frame(VariableFrame(destination, source, function, encode_pdu(pdu)))
 
 
 def encode_reply(pdu: Reply, *, destination: int = 0, source: int = 2) -> bytes:

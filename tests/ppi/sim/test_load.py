@@ -22,7 +22,7 @@ stations:
       T32: {value: 100, on: true}
       C5: 7
   - {cpu: 226, address: 3, mode: stop, switch: stop, not_ready: 2, type: CPU 226 CN, pdu: 128, frame_count: strict,
-     password: {level: 3}, write_inputs: false, experimental: true}
+     password: {level: 3}, write_inputs: false}
   - {cpu: st20, address: 4, password: {protects: [read, run]}}
 faults:
   - {kind: fcs, after: 2}
@@ -53,7 +53,6 @@ def test_everything_a_file_can_say() -> None:
     assert (second.cpu.pdu_limit, second.frame_count) == (128, "strict")
     assert second["SYS"] == b"CPU 226 CN".ljust(20)
     assert second.cpu.protected == {Service.FORCE, Service.OUTPUTS}
-    assert second.cpu.memory.experimental
     assert not second.cpu.memory.write_inputs
     assert third.cpu.protected == {Service.READ, Service.RUN}
     assert third.cpu.memory.profile.title == "CPU ST20"

@@ -37,6 +37,7 @@ LAST = {
     # S7-200 system manual A5E00307987, "Memory ranges and features"; SMART: A5E03822230
     "221": {"I": "IB15", "Q": "QB15", "M": "MB31", "V": "VB2047", "S": "SB31", "SM": "SMB179", "AI": "AIW30"},
     "222": {"V": "VB2047", "SM": "SMB299", "AI": "AIW30", "AQ": "AQW30"},
+    "224R1": {"V": "VB5119"},  # seen by an owner
     "224": {"V": "VB8191", "SM": "SMB549", "AI": "AIW62", "AQ": "AQW62", "T": "T255", "C": "C255", "HC": "HC5"},
     "224XP": {"V": "VB10239"},
     "226": {"V": "VB10239", "SM": "SMB549", "S": "SB31"},
@@ -90,9 +91,10 @@ def test_a_cpu_is_found_by_the_ways_people_call_it() -> None:
         (Item(Area.M, TransportSize.BYTE, 1, 0, 1), OK),
         (Item(Area.V, 0x33, 1, 0, 1), TYPE),
         (Item(Area.V, TransportSize.TIMER, 1, 0, 1), TYPE),
-        (Item(Area.T, TransportSize.WORD, 1, 0), TYPE),
-        (Item(Area.C, TransportSize.TIMER, 1, 0), TYPE),
-        (Item(Area.HC, TransportSize.DWORD, 1, 0), TYPE),
+        (Item(Area.T, TransportSize.WORD, 1, 0), DENIED),
+        (Item(Area.C, TransportSize.TIMER, 1, 0), DENIED),
+        (Item(Area.HC, TransportSize.DWORD, 1, 0), DENIED),
+        (Item(Area.T, TransportSize.BYTE, 4, 40 * 8), DENIED),
         (Item(Area.AI, TransportSize.BIT, 1, 0), TYPE),
         (Item(Area.SYS, TransportSize.WORD, 1, 0), TYPE),
         (Item(Area.M, TransportSize.BIT, 2, 0), TYPE),
@@ -100,8 +102,8 @@ def test_a_cpu_is_found_by_the_ways_people_call_it() -> None:
         (Item(Area.M, TransportSize.BYTE, 1, 3), RANGE),
         (Item(Area.AI, TransportSize.WORD, 1, 8), RANGE),
         (Item(Area.M, TransportSize.BIT, 1, 256), RANGE),
-        (Item(Area.SYS, TransportSize.BYTE, 40, 0), OK),
-        (Item(Area.SYS, TransportSize.BYTE, 41, 0), RANGE),
+        (Item(Area.SYS, TransportSize.BYTE, 196, 0), OK),
+        (Item(Area.SYS, TransportSize.BYTE, 197, 0), RANGE),
         (Item(Area.V, TransportSize.BYTE, 1, 0xFFFFFF & ~7, 1), RANGE),
         (Item(Area.T, TransportSize.TIMER, 2, 255), RANGE),
         (Item(Area.V, TransportSize.REAL, 1, 0, 1), OK),
@@ -133,10 +135,10 @@ def test_timers_counters_and_high_speed_counters_are_status_and_value() -> None:
     values = {"T32": {"value": 1000, "on": True}, "T33": 5, "C5": {"value": -2}, "HC1": 70000}
     talk = Talk(Bus([Station(values=values)]))
     assert talk.read("T32", "C5", "HC1", "T32[2]") == [
-        (OK, bytes.fromhex("01 00 00 03 E8")),
+        (OK, bytes.fromhex("02 00 00 03 E8")),
         (OK, bytes.fromhex("00 FF FE")),
         (OK, bytes.fromhex("00 00 01 11 70")),
-        (OK, bytes.fromhex("01 00 00 03 E8 00 00 00 00 05")),
+        (OK, bytes.fromhex("02 00 00 03 E8 00 00 00 00 05")),
     ]
     talk.request(ReadRequest(1, (Item.element(Area.T, 32),)))
     assert talk.poll()[21:25] == bytes.fromhex("FF 09 00 05")
@@ -147,7 +149,7 @@ def test_timers_counters_and_high_speed_counters_are_status_and_value() -> None:
     [
         ("VB100", b"\x01", OK), ("QB0", b"\x01", OK), ("MB0", b"\x01", OK), ("SB0", b"\x01", OK), ("IB0", b"\x01", OK),
         ("AQW0", b"\x01\x02", OK), ("SMB30", b"\x01", OK), ("SMB29", b"\x01", DENIED), ("AIW0", b"\x01\x02", DENIED),
-        ("SYS0", b"\x01", DENIED), ("T0", bytes(5), DENIED), ("C0", bytes(3), DENIED), ("HC0", bytes(5), DENIED),
+        ("SYS0", b"\x01", DENIED), ("T0", bytes(5), OK), ("C0", bytes(3), OK), ("HC0", bytes(5), DENIED),
         ("VB8192", b"\x01", RANGE),
     ],
 )  # fmt: skip
@@ -200,11 +202,10 @@ def test_writing_a_bit_leaves_its_byte_alone() -> None:
     assert talk.read("M0.0", "M0.7") == [(OK, b"\x01"), (OK, b"\x00")]
 
 
-def test_timers_and_forcing_are_experimental() -> None:
-    """No capture confirms them: off by default, the whole job is then "not supported"."""
+def test_timers_are_written_and_outputs_forced() -> None:
+    """As the seed document says; what cannot be forced is "not supported" as a whole."""
     item = Item.memory(Area.Q, 0)
-    assert Talk(Bus([Station()])).ask(ForceRequest(1, item, b"\xff")) == ErrorReply(1, 0x81, 0x04)
-    station = Station(experimental=True)
+    station = Station()
     talk = Talk(Bus([station]))
     assert talk.write(("T5", bytes(4) + b"\x07")) == [OK]
     assert talk.ask(ForceRequest(1, item, b"\xff")) == AckReply(1)
@@ -218,7 +219,7 @@ def test_timers_and_forcing_are_experimental() -> None:
 
 def test_a_password_protects_what_its_level_says() -> None:
     """S7-200 system manual, "Restricting access": data, RUN and STOP are free; outputs in STOP and forcing are not."""
-    station = Station(protected=BY_LEVEL[2], experimental=True)
+    station = Station(protected=BY_LEVEL[2])
     talk = Talk(Bus([station]))
     denied = ErrorReply(7, 0xD6, 0x02)
     write = WriteRequest(7, (ItemWrite(Item.memory(Area.Q, 0), b"\x01"),))

@@ -80,7 +80,7 @@ def test_libnodave_reads_several_items_timers_and_counters(station: Station) -> 
     )
     assert client.libnodave("32 01 00 00 00 04 00 32 00 00 04 04" + "".join(items)) == (
         "32 03 00 00 00 04 00 02 00 1D 00 00 04 04"
-        " FF 09 00 05 01 00 00 00 05 00 FF 09 00 03 00 00 07 00 FF 04 00 08 81 00 FF 03 00 01 01"
+        " FF 09 00 05 02 00 00 00 05 00 FF 09 00 03 00 00 07 00 FF 04 00 08 81 00 FF 03 00 01 01"
     )
 
 

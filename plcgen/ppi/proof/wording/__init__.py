@@ -20,6 +20,7 @@ from plcgen.project.nouns import PlannedJob
 from plcgen.proof.wording.comments import EMPTY
 from plcgen.proof.wording.model import GuideLine, Shown, agrees, held, unmarked, untitled
 from plcgen.s7.types.blocks import Block, BlockKind
+from plcgen.s7.types.names import shorten
 
 _VERBS = {"read": "Read", "write": "Write", "run": "Switch to RUN", "stop": "Switch to STOP"}
 _MOST = 4
@@ -114,7 +115,7 @@ class PpiWording:
                 pin = job.pin(value.member)
                 if pin == name:
                     return frozenset(f"{job.key}: {text}" for text in _texts(value))
-                if f"stat{pin[:1].upper()}{pin[1:]}" == name:
+                if shorten(f"stat{pin[:1].upper()}{pin[1:]}", job.longest_name) == name:
                     return frozenset({f"{pin} when the job started"})
         return _sentence("master", name, baud=master.baud)
 
