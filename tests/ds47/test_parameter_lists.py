@@ -229,3 +229,30 @@ def test_an_encoder_gets_the_preset_that_its_manual_prints(tmp_path: Path) -> No
         "01 01 00 01 10 01 fd e9 00 01",
         "02 01 00 01 10 01 03 cb 00 00",
     ]
+
+
+_ASKED = [
+    int(word)
+    for line in (Path(__file__).parent / "asked.txt").read_text("utf-8").splitlines()
+    if not line.startswith("#")
+    for word in line.split()
+]
+
+
+@pytest.mark.parametrize(
+    ("device", "least", "whole"),
+    [
+        *((f"sinamics-{name}", 100, True) for name in ("s150", "g130", "g150")),
+        ("sinamics-s120", 100, False),
+        ("sinamics-g120", 95, False),
+        *((f"sinamics-{name}", 0, True) for name in ("g220", "s210", "s210-fw6", "s200", "s200-basic")),
+    ],
+)
+def test_what_engineers_ask_for_is_known(device: str, least: int, whole: bool) -> None:
+    """Of 102 parameters; where lists were read whole the others are known to be absent."""
+    found = find_device(device)
+    types = [found.object_types.others, "control_unit"] if found.object_types else [""]
+    unknown = [number for number in _ASKED if not any(found.find(number, one) for one in ("", *types))]
+    assert len(_ASKED) == 102
+    assert len(_ASKED) - len(unknown) >= least
+    assert not whole or all(found.absent(number, one) for number in unknown for one in types), unknown
