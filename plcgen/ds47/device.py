@@ -190,16 +190,26 @@ def _listed(known: Iterable[DeviceList], pnu: int, object_type: str) -> Paramete
     return parameter_from(pnu, entry, read_only=any(row.texts["letter"] == "r" for _, row in said))
 
 
-def _bounded(own: Parameter, said: Parameter) -> Parameter:
-    """A row without limits, with those of a list: inferred ones, which decide nothing."""
-    ends: tuple[Fact, ...] = ("min", "max")
-    if own.type != said.type or said.type != "FloatingPoint" or any(end in own.grades for end in ends):
+def _completed(own: Parameter, said: Parameter) -> Parameter:
+    """A row with what it leaves open and a list says: names of values, and limits, which are inferred ones then and
+    decide nothing.
+    """
+    if own.type != said.type:
         return own
-    known = {end: (said.minimum if end == "min" else said.maximum) for end in ends}
-    found = {end: said.doubted.get(end, limit) for end, limit in known.items()}
-    stated = {end: limit for end, limit in found.items() if limit is not None}
-    grades: dict[Fact, Grade] = dict.fromkeys(stated, "inferred")
-    return replace(own, doubted={**own.doubted, **stated}, grades={**own.grades, **grades})
+    doubted, grades = {**own.doubted}, {**own.grades}
+    if said.type == "FloatingPoint" and not grades.keys() & {"min", "max"}:
+        known: dict[Fact, float | None] = {"min": said.minimum, "max": said.maximum}
+        stated = {end: said.doubted.get(end, limit) for end, limit in known.items()}
+        stated = {end: limit for end, limit in stated.items() if limit is not None}
+        doubted |= stated
+        grades |= dict.fromkeys(stated, "inferred")
+    if own.values or "values" in own.doubted:
+        return replace(own, doubted=doubted, grades=grades)
+    if "values" in said.doubted:
+        doubted["values"] = said.doubted["values"]
+    if said.values or "values" in said.doubted:
+        grades["values"] = said.grades.get("values", "read")
+    return replace(own, doubted=doubted, grades=grades, values=said.values)
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,7 +257,7 @@ class Device:
         usual = _listed(self.lists, pnu, types.others) if types is not None and not object_type else None
         said = usual or _listed(self.lists, pnu, object_type)
         own = self.parameters.get(pnu)
-        return said if own is None else _bounded(own, said) if said is not None else own
+        return said if own is None else _completed(own, said) if said is not None else own
 
     def search(self, text: str) -> list[Parameter]:
         """Parameters by number whose titles have every word of a text, in the catalogue and in the lists."""

@@ -64,7 +64,6 @@ def test_valid_telegrams_have_no_problems(row):
 @pytest.mark.parametrize(
     ("data", "name", "note"),
     [
-        ("00 01 01 01 10 01 00 01 00 00", "request reference", "reserved"),
         ("01 09 01 01 10 01 00 01 00 00", "request id", "reserved"),
         ("01 40 01 01 10 01 00 01 00 00", "request id", "manufacturer-specific"),
         ("01 01 01 28 10 01 00 01 00 00", "number of parameters", "outside 1 to 39"),
@@ -126,3 +125,10 @@ def test_error_table_is_the_callers_choice():
 def test_request_or_response(data, kind):
     """Byte 1 and byte 4 tell the kinds apart; four bytes with 02h are a positive change response."""
     assert looks_like(bytes.fromhex(data)) == kind
+
+
+def test_a_reserved_reference_is_told_but_no_mistake():
+    """PROFIdrive reserves 00h; ifm prints it in RM30 p. 26."""
+    field = dissect_request(bytes.fromhex("00 01 01 01 10 01 00 01 00 00"))[0]
+    assert (field.name, field.value, field.problem) == ("request reference", "00h", False)
+    assert "reserved in PROFIdrive" in field.note

@@ -256,3 +256,16 @@ def test_what_engineers_ask_for_is_known(device: str, least: int, whole: bool) -
     assert len(_ASKED) == 102
     assert len(_ASKED) - len(unknown) >= least
     assert not whole or all(found.absent(number, one) for number in unknown for one in types), unknown
+
+
+@pytest.mark.parametrize(
+    "device", ["sinamics-s120", "sinamics-g130", "sinamics-g220", "sinamics-s200", "sinamics-s210"]
+)
+def test_a_job_waits_for_a_value_by_its_name(tmp_path: Path, device: str) -> None:
+    """r0002 = 0 is "Operation - everything enabled" in every list; what only another device's list says is no name."""
+    assert find_device(device).find(2).values["operation"] == 0
+    assert "values" in find_device("sinamics-g120").find(2).doubted
+    drive = ", drive_object: 3" if device == "sinamics-s120" else ""
+    assert [
+        one for one in _checked(tmp_path, device, "sequence: [{until: {r2: operation}}]", drive) if one[0] == "ERROR"
+    ] == []

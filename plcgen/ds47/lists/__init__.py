@@ -57,7 +57,8 @@ def source(name: str) -> str:
 
 def value_name(text: str) -> str:
     """The name of a value as a spec writes it; empty if nothing is left."""
-    words = re.sub("[^a-z0-9]+", "_", text.lower())[:64].strip("_")
+    text = text.lower().removesuffix(" - everything enabled")  # nothing is missing: the state itself
+    words = re.sub("[^a-z0-9]+", "_", text)[:64].strip("_")
     return words if words[:1].isalpha() and not re.fullmatch("[prc][0-9]+", words) else ""
 
 

@@ -178,7 +178,7 @@ class DriveJobPlanner:
         other: PlannedDrive,
         path: tuple[str, str],
     ) -> tuple[Use, ...] | None:
-        """The uses of another drive; None after PG222."""
+        """The uses of another drive, after PG222 too, so that the rules see them; None if not all can be resolved."""
         job = self.loaded.sections(DriveSections).jobs[path[1]]
         quiet = Report()
         resolver = self.resolvers[other.key].reporting(quiet)
@@ -197,7 +197,7 @@ class DriveJobPlanner:
         notes = tuple(Note(f"{other.key}: {one.message}", one.span) for one in quiet)
         place = self.loaded.span((*path, "drive"))
         self.report.add(Diagnostic("PG222", message, place, help="make a job for each kind of drive", notes=notes))
-        return None
+        return uses if uses and len(uses) == sum(map(len, packed)) else None
 
 
 def _clock(kind: JobKind, numbering: Numbering) -> Elementary | None:
