@@ -16,7 +16,7 @@ from plcgen.ppi.recording import faults as line_faults
 from plcgen.ppi.sim.load import load_bus
 from plcgen.project.editor import file_schema
 from plcgen.project.loading import parse_spec
-from plcgen.report.diff import lockread
+from plcgen.report.diff import lockfile
 from plcgen.s7.compare import policyfile
 
 Door = Callable[[str], list[Diagnostic]]
@@ -44,8 +44,8 @@ def problems_of(read: Callable[[str], object]) -> Door:
 
 def _lock(text: str) -> object:
     if text.startswith("{") and '"format"' not in text:
-        text = text.replace("{", '{"format": 1,', 1)
-    return load_document(text, "plcgen.lock.yaml", lockread._LOCK)
+        text = text.replace("{", '{"format": 2,', 1)
+    return load_document(text, "plcgen.lock.json", lockfile.LOCK)
 
 
 DOORS: dict[str, Door] = {

@@ -60,7 +60,7 @@ def test_check_jsonschema_takes_the_other_files(schemas: Path, tmp_path: Path) -
         (tmp_path / name).write_text(text, "utf-8")
         return tmp_path / name
 
-    lock, result = tmp_path / "plcgen.lock.yaml", tmp_path / "layout.json"
+    lock, result = tmp_path / "plcgen.lock.json", tmp_path / "layout.json"
     assert run(["lock", str(SPECS[0]), "--out", str(lock), "--quiet"]) == 0
     assert run(["layout", str(SPECS[0]), "--format", "json", "--output", str(result), "--quiet"]) == 0
     files = {

@@ -46,7 +46,7 @@ def test_an_edit_meanwhile_is_kept(existed: bool, tmp_path: Path, monkeypatch: p
     """Whoever saves the file while it is being replaced keeps his words, and the caller is told."""
     told = set()
     for moment in range(10):
-        path = tmp_path / str(moment) / "lock.yaml"
+        path = tmp_path / str(moment) / "lock.json"
         path.parent.mkdir()
         if existed:
             path.write_bytes(b"old")

@@ -24,7 +24,7 @@ from plcgen.cli.schema import KINDS
 from plcgen.ds47.recording.faults import plan_faults
 from plcgen.ds47.sim.load import load_drive
 from plcgen.ppi.sim.load import load_bus
-from plcgen.report.diff.lockread import read_lock
+from plcgen.report.diff.lockfile import read_lock
 from plcgen.report.registry import output_format
 from plcgen.s7.compare.policyfile import load_policy
 from tests.projects import FAQ, ROOT, generated_example
@@ -103,14 +103,14 @@ def test_what_is_shipped_and_documented_passes() -> None:
 
 def test_a_lock_passes(tmp_path: Path) -> None:
     """The lock of the example; one of another format or with an unknown block does not."""
-    path = tmp_path / "plcgen.lock.yaml"
+    path = tmp_path / "plcgen.lock.json"
     made = shutil.copytree(generated_example(FAQ.stem), tmp_path / "made")
     assert api.lock(made, out=path).path == path
     data = yaml.safe_load(path.read_text("utf-8"))
     assert len(data["blocks"]) > 10
     assert wrong("lock", data) == []
     assert wrong("lock", {**data, "format": 999})
-    assert wrong("lock", {**data, "blocks": {"XX name": {"access": "standard"}}})
+    assert wrong("lock", {**data, "blocks": [{"kind": "XX", "name": "a", "hash": "", "access": "standard"}]})
 
 
 BROKEN: list[tuple[str, str]] = [
@@ -131,7 +131,7 @@ BROKEN: list[tuple[str, str]] = [
     ("faults", "kind: busy"),
     ("policy", "member-renamd: breaking"),
     ("policy", "member-renamed: harmless"),
-    ("lock", "format: 4\nblocks: {DB a: {access: none}}"),
+    ("lock", '{"format": 4, "blocks": [{"kind": "DB", "name": "a", "hash": "", "access": "none"}]}'),
     ("config", "[verify]\nfaults = 'some'"),
     ("config", "[verify]\nfault = 'none'"),
     ("config", "specs = 'job.yaml'"),

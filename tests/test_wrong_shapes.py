@@ -78,13 +78,11 @@ def a_profile() -> Any:
 
 def a_lock(folder: Path) -> Any:
     """The lock of a spec, as far as its parts differ in kind."""
-    api.lock(MM4, out=folder / "whole.lock.yaml")
-    found = yaml.load((folder / "whole.lock.yaml").read_text("utf-8"), yaml.BaseLoader)  # noqa: S506 - texts alone
-    first = {key.partition(" ")[0]: key for key in reversed(found["blocks"])}
-    found["blocks"] = {key: found["blocks"][key] for key in first.values()}
-    for block in found["blocks"].values():
-        for section in ("members", "static"):
-            block[section] = dict(list(block.get(section, {}).items())[:2])
+    api.lock(MM4, out=folder / "whole.lock.json")
+    found = json.loads((folder / "whole.lock.json").read_text("utf-8"))
+    found["blocks"] = list({block["kind"]: block for block in reversed(found["blocks"])}.values())
+    for block in found["blocks"]:
+        block["members"] = block.get("members", [])[:2]
     return {**found, "sources": ["a.db"]}
 
 

@@ -53,7 +53,7 @@ def _policy() -> dict[str, Any]:
 
 
 def _lock() -> dict[str, Any]:
-    from plcgen.report.diff.lockread import lock_schema
+    from plcgen.report.diff.lockfile import lock_schema
 
     return lock_schema()
 

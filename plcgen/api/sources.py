@@ -170,7 +170,7 @@ def diff(
 
 def lock(
     *paths: Path | str,
-    out: Path | str = "plcgen.lock.yaml",
+    out: Path | str = "plcgen.lock.json",
     classic: bool = False,
     force: bool = False,
     keep_going: bool = False,
@@ -183,7 +183,7 @@ def lock(
 
 def check_lock(
     *paths: Path | str,
-    lock: Path | str = "plcgen.lock.yaml",
+    lock: Path | str = "plcgen.lock.json",
     policy: Sequence[str] = (),
     classic: bool = False,
     keep_going: bool = False,

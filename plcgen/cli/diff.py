@@ -54,8 +54,8 @@ def command(
 ) -> int:
     """Compare two versions of PLC sources or specs as HMIs, PLCs and drives see them.
 
-    OLD and NEW are files (.scl .udt .db .awl, SimaticML), folders or specs. Every change is breaking, compatible
-    or documentation. Formatting, comments in code and the order of files do not count as changes.
+    OLD and NEW are files (.scl .udt .db .awl, SimaticML), folders, specs or layout locks. Every change is breaking,
+    compatible or documentation. Formatting, comments in code and the order of files do not count as changes.
     """
     out = console()
     if list_changes:

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     "lock",
     "plcgen lock plc",
     "plcgen lock --check",
-    "plcgen lock job.yaml --out job.lock.yaml",
+    "plcgen lock job.yaml --out job.lock.json",
     "plcgen lock --check --fail-on breaking --format sarif --output lock.sarif",
 )
 @click.argument("paths", nargs=-1, type=PATH, metavar="[SPEC|FILE|FOLDER]...")
-@click.option("--out", "path", type=PATH, default="plcgen.lock.yaml", show_default=True, help="The lock file.")
+@click.option("--out", "path", type=PATH, default="plcgen.lock.json", show_default=True, help="The lock file.")
 @click.option("--check", is_flag=True, help="Write nothing; exit 1 if the sources differ from the lock.")
 @click.option(
     "--fail-on",

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     "--against", default="", metavar="REV|FOLDER", help="Compare with a git revision, a folder or another spec."
 )
 @click.option(
-    "--lock", type=PATH, metavar="FILE", help="Layout lock.  [default: plcgen.lock.yaml beside the spec, if it exists]"
+    "--lock", type=PATH, metavar="FILE", help="Layout lock.  [default: plcgen.lock.json beside the spec, if it exists]"
 )
 @faults_option()
 @click.option(

@@ -28,7 +28,7 @@ def clone(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     origin.mkdir()
     (origin / "job.yaml").write_bytes(request.param.read_bytes())
     assert api.generate(origin / "job.yaml").ok
-    assert api.lock(origin / "job_generated", out=origin / "plcgen.lock.yaml").ok
+    assert api.lock(origin / "job_generated", out=origin / "plcgen.lock.json").ok
     git(origin, "init", "--quiet")
     git(origin, "add", ".")
     git(origin, "commit", "--quiet", "-m", "generated")
@@ -42,8 +42,8 @@ def holds(folder: Path) -> None:
     assert api.generate(folder / "job.yaml", check_only=True).diff == ""
     made = api.generate(folder / "job.yaml")
     assert (made.ok, made.written, made.removed) == (True, (), ())
-    assert api.check_lock(lock=folder / "plcgen.lock.yaml").changes == ()
-    assert not api.lock(folder / "job_generated", out=folder / "plcgen.lock.yaml").changed
+    assert api.check_lock(lock=folder / "plcgen.lock.json").changes == ()
+    assert not api.lock(folder / "job_generated", out=folder / "plcgen.lock.json").changed
     files = next(group for group in api.verify(folder / "job.yaml", faults="none").groups if group.name == "files")
     assert {check.outcome.value for check in files.checks} == {"ok"}
     assert {path: path.read_bytes() for path in before} == before
@@ -53,7 +53,7 @@ def holds(folder: Path) -> None:
 def test_a_clone_with_autocrlf_is_up_to_date(clone: Path) -> None:
     """The spec and the lock have CRLF, the files of the folder are left alone by its .gitattributes."""
     assert b"\r\n" in (clone / "job.yaml").read_bytes()
-    assert b"\r\n" in (clone / "plcgen.lock.yaml").read_bytes()
+    assert b"\r\n" in (clone / "plcgen.lock.json").read_bytes()
     assert b"\r\n" not in (clone / "job_generated" / "manifest.json").read_bytes()
     holds(clone)
 

@@ -21,7 +21,7 @@ faults = "none"
 fail-on = "never"
 policy = ["member-comment=breaking"]
 [lock]
-file = "layout.lock.yaml"
+file = "layout.lock.json"
 fail-on = "breaking"
 """
 
@@ -62,8 +62,8 @@ def test_diff_and_lock(plcgen, configured, tmp_path):
     changed = plcgen("diff", "old.db", "new.db")
     assert (changed.code, "breaking" in changed.out) == (0, True)
     assert plcgen("diff", "old.db", "new.db", "--fail-on", "breaking").code == 1
-    assert plcgen("lock", "old.db").err == "wrote layout.lock.yaml, 1 block\n"
-    assert (tmp_path / "layout.lock.yaml").is_file()
+    assert plcgen("lock", "old.db").err == "wrote layout.lock.json, 1 block\n"
+    assert (tmp_path / "layout.lock.json").is_file()
     assert configured
 
 
@@ -158,7 +158,7 @@ def judged(plcgen, good, tmp_path):
     (tmp_path / "old.db").write_text(block, "utf-8")
     (tmp_path / "new.db").write_text(block.replace("Word", "Int"), "utf-8")
     assert plcgen("generate", good, "-q").code == 0
-    assert plcgen("lock", "old.db", "-q", "--out", "plcgen.lock.yaml").code == 0
+    assert plcgen("lock", "old.db", "-q", "--out", "plcgen.lock.json").code == 0
     return tmp_path
 
 

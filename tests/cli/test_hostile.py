@@ -120,10 +120,10 @@ def test_a_lock_names_no_path_of_this_machine(plcgen, tmp_path):
     """What is not below the lock's folder is not named, so that the lock is the same everywhere."""
     (tmp_path / "sub").mkdir()
     (tmp_path / "a.db").write_text('DATA_BLOCK "B"\nSTRUCT\n  a : Int;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n')
-    assert plcgen("lock", "a.db", "--out", "sub/x.lock.yaml").code == 0
-    assert "a.db" not in (tmp_path / "sub/x.lock.yaml").read_text()
-    assert "names no sources" in plcgen("lock", "--check", "--out", "sub/x.lock.yaml").err
-    assert plcgen("lock", "--check", "a.db", "--out", "sub/x.lock.yaml").code == 0
+    assert plcgen("lock", "a.db", "--out", "sub/x.lock.json").code == 0
+    assert "a.db" not in (tmp_path / "sub/x.lock.json").read_text()
+    assert "names no sources" in plcgen("lock", "--check", "--out", "sub/x.lock.json").err
+    assert plcgen("lock", "--check", "a.db", "--out", "sub/x.lock.json").code == 0
 
 
 def test_a_small_spec_is_refused_before_it_becomes_large(plcgen, tmp_path, monkeypatch):

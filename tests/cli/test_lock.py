@@ -19,18 +19,18 @@ def source(tmp_path):
 def test_write_and_check(plcgen, source):
     """Chatter on stderr, nothing on stdout; drift ends with 1 and shows both offsets."""
     result = plcgen("lock", "b.db")
-    assert (result.code, result.out, result.err) == (0, "", "wrote plcgen.lock.yaml, 1 block\n")
-    assert plcgen("lock").err == "unchanged: plcgen.lock.yaml, 1 block\n"
+    assert (result.code, result.out, result.err) == (0, "", "wrote plcgen.lock.json, 1 block\n")
+    assert plcgen("lock").err == "unchanged: plcgen.lock.json, 1 block\n"
     result = plcgen("lock", "--check")
-    assert (result.code, result.out, result.err) == (0, "", "1 block as in plcgen.lock.yaml\n")
+    assert (result.code, result.out, result.err) == (0, "", "1 block as in plcgen.lock.json\n")
     source.write_text(SOURCE.replace("  b :", "  x : Word;\n  b :"), encoding="utf-8")
     result = plcgen("lock", "--check")
     assert result.code == 1
     assert "breaking       member-moved        b: moved by +2 bytes: 2.0 -> 4.0\n" in result.out
-    assert result.err == "intended? write the lock again: plcgen lock --out plcgen.lock.yaml\n"
+    assert result.err == "intended? write the lock again: plcgen lock --out plcgen.lock.json\n"
     assert plcgen("lock", "--check", "--fail-on", "never").code == 0
     data = json.loads(plcgen("lock", "--check", "--json").out)
-    assert (data["ok"], data["old"]) == (False, "plcgen.lock.yaml")
+    assert (data["ok"], data["old"]) == (False, "plcgen.lock.json")
     assert json.loads(plcgen("lock", "--check", "-f", "sarif").out)["version"] == "2.1.0"
     assert "b: moved by" in plcgen("lock", "--check", "-f", "markdown").out
 
@@ -49,7 +49,7 @@ def test_errors(plcgen, source):
     result = plcgen("lock", "b.db")
     assert result.code == 1
     assert result.err.endswith("nothing was written\n")
-    assert not Path("plcgen.lock.yaml").exists()
+    assert not Path("plcgen.lock.json").exists()
     assert plcgen("lock", "b.db", "--json").code == 2
     assert plcgen("lock", "--check").code == 1
 
@@ -64,12 +64,12 @@ def test_what_is_written_can_be_read_again(plcgen, source, start, said):
     assert result.code == 1
     assert f"error[PG633]: a lock cannot keep {said}" in result.err
     assert "b.db:1:1" in result.err
-    assert not Path("plcgen.lock.yaml").exists()
+    assert not Path("plcgen.lock.json").exists()
 
 
 def test_a_repository_without_a_lock(plcgen):
     """As the hook calls it: how to make one, not where the file might be."""
-    result = plcgen("lock", "--check", "--out", "plcgen.lock.yaml", "--fail-on", "any")
+    result = plcgen("lock", "--check", "--out", "plcgen.lock.json", "--fail-on", "any")
     assert result.code == 1
     assert "there is no layout lock yet" in result.err
-    assert "plcgen lock FOLDER --out plcgen.lock.yaml" in " ".join(result.err.split())
+    assert "plcgen lock FOLDER --out plcgen.lock.json" in " ".join(result.err.split())

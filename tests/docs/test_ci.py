@@ -71,7 +71,7 @@ def test_action(repository: Path) -> None:
     assert action["runs"]["using"] == "composite"
     steps = [step for step in action["runs"]["steps"] if "plcgen " in step.get("run", "")]
     assert [step["run"].split()[1] for step in steps] == ["check", "generate", "lock", "verify"]
-    values = {"paths": ".", "faults": "none", "lock": "plcgen.lock.yaml", "fail-on": "any"}
+    values = {"paths": ".", "faults": "none", "lock": "plcgen.lock.json", "fail-on": "any"}
     assert values.keys() < action["inputs"].keys()
     for step in steps:
         assert step["shell"] == "bash"

@@ -41,7 +41,7 @@ def tried(spec: dict[str, Any], folder: Path, effort: Effort = "none") -> frozen
     found = api.verify(path, out, faults=effort)
     if not found.ok:
         raise WrongError(f"verify: {_errors(found.problems)}")
-    lock = folder / "plcgen.lock.yaml"
+    lock = folder / "plcgen.lock.json"
     locked = api.lock(path, out=lock, force=True)
     for what, compared in (("diff with itself", api.diff(out, out)), ("lock --check", api.check_lock(path, lock=lock))):
         if compared.changes or _errors((*compared.diagnostics, *locked.diagnostics)):

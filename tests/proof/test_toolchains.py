@@ -38,6 +38,6 @@ def test_everything_can_be_done_for_every_version(toolchain: str, family: str, t
         assert len(made.written) >= 2
         back = api.convert(out / "xml", to="scl", out=tmp_path / "scl", classic=classic, keep_going=True)
         assert len(back.written) > len(made.written)
-    lock = tmp_path / "plcgen.lock.yaml"
+    lock = tmp_path / "plcgen.lock.json"
     api.lock(spec, out=lock)
     assert api.check_lock(spec, lock=lock).changes == ()

@@ -46,7 +46,7 @@ def test_diff_and_lock_answer_alike(kind, classic, old, new, tmp_path):
     before, after = written(tmp_path / "old", kind, old), written(tmp_path / "new", kind, new)
     wanted = ["access-changed"] if MEANS[classic, old] != MEANS[classic, new] else []
     assert [change.kind for change in plcgen.diff(before, after, classic=classic).changes] == wanted
-    lock = tmp_path / "x.lock.yaml"
+    lock = tmp_path / "x.lock.json"
     assert plcgen.lock(before, out=lock, classic=classic).ok
     assert [change.kind for change in plcgen.check_lock(after, lock=lock, classic=classic).changes] == wanted
 

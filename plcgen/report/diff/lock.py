@@ -11,13 +11,12 @@ from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span, has_error
 from plcgen.base.files.hashes import same_text
 from plcgen.base.paths import trap_in
 from plcgen.base.replacing import digest_of, replace_file
-from plcgen.report.diff.lockread import read_lock
+from plcgen.report.diff.lockfile import lock_text, read_lock, reduced, unkept
 from plcgen.report.diff.run import compare_snapshots, snapshot
-from plcgen.s7.compare.lockfile import lock_text, reduced, unkept
 from plcgen.s7.compare.model import Comparison
 from plcgen.s7.compare.policyfile import load_policy
 
-DEFAULT = "plcgen.lock.yaml"
+DEFAULT = "plcgen.lock.json"
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +82,10 @@ def check_lock(
     """Compare the lock with sources or a spec; without paths, with those that the lock names."""
     if not os.path.lexists(path):
         help_ = f"make it and commit it: plcgen lock FOLDER --out {path.as_posix()}; until then leave the check out"
+        earlier = path.with_suffix(".yaml")
+        if path.suffix == ".json" and earlier.is_file():
+            help_ = f"{earlier.as_posix()} is one of an earlier version: replace it, "
+            help_ += f"plcgen lock FOLDER --out {path.as_posix()}"
         missing = Diagnostic("PG110", "there is no layout lock yet", Span(path.as_posix()), help=help_)
         return Comparison(path.as_posix(), "", (), (missing,))
     try:
@@ -93,6 +96,11 @@ def check_lock(
     except DiagnosticError as problem:
         return Comparison(path.as_posix(), "", (), problem.diagnostics)
     return compare_snapshots(lock.snapshot, state, levels, classic=classic)
+
+
+def _is_earlier(problems: Sequence[Diagnostic]) -> bool:
+    """Whether the file is a lock that an earlier version wrote."""
+    return [d.code for d in problems] == ["PG633"] and "earlier version" in problems[0].help
 
 
 def _locked_sources(path: Path) -> list[Path]:
@@ -134,7 +142,7 @@ def _check_target(path: Path, *, force: bool) -> None:
     try:
         read_lock(path)
     except DiagnosticError as problem:
-        if all(d.code == "PG634" for d in problem.diagnostics):
+        if all(d.code == "PG634" for d in problem.diagnostics) or _is_earlier(problem.diagnostics):
             return
         message = "the file exists and is not a layout lock"
         help_ = "choose another --out, or overwrite it with --force"

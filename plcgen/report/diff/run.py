@@ -11,6 +11,7 @@ from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity, Span,
 from plcgen.base.diagnostics.counting import shortlist
 from plcgen.base.files.files import YAML_SUFFIXES
 from plcgen.report.diff.jobs import compare_jobs
+from plcgen.report.diff.lockfile import read_lock, reduced
 from plcgen.report.diff.planned import spec_snapshot
 from plcgen.s7.compare.blocks import compare_blocks
 from plcgen.s7.compare.model import Change, Comparison, Snapshot
@@ -19,6 +20,8 @@ from plcgen.s7.compare.policyfile import load_policy
 from plcgen.s7.compare.states import snapshot_of
 from plcgen.s7.read.blocks import Sources, read_sources
 
+LOCKS = ".json"
+_STATES = frozenset({*YAML_SUFFIXES, LOCKS})
 _DERIVED = frozenset({"block-text", "member-comment"})
 """What follows from a change of the spec anyway, where both sides are specs. Code and start values do not: which bit an
 input writes, what a sequence waits for and the records of a recipe are in no telegram."""
@@ -70,9 +73,10 @@ def _is_twin(change: Change, names: frozenset[str]) -> bool:
 
 def _both(old: Sequence[Path], new: Sequence[Path], *, classic: bool, keep_going: bool) -> tuple[Snapshot, Snapshot]:
     """Both states; a type that only one side's files declare serves the other side too."""
-    if any(path.suffix.lower() in YAML_SUFFIXES for path in (*old, *new)):
+    if any(path.suffix.lower() in _STATES for path in (*old, *new)):
         first, second = (snapshot(side, classic=classic, keep_going=keep_going) for side in (old, new))
-        return first, second
+        locked = any(path.suffix.lower() == LOCKS for path in (*old, *new))
+        return (reduced(first), reduced(second)) if locked else (first, second)
     before, after = (_read(side, classic=classic, keep_going=keep_going) for side in (old, new))
     lent = dict(before.types)
     for side, other in ((before, after.types), (after, lent)):
@@ -83,14 +87,19 @@ def _both(old: Sequence[Path], new: Sequence[Path], *, classic: bool, keep_going
 
 
 def snapshot(paths: Sequence[Path], *, classic: bool = False, keep_going: bool = False) -> Snapshot:
-    """State of a spec, or of files and folders; a spec stands alone."""
-    specs = [path for path in paths if path.suffix.lower() in YAML_SUFFIXES]
+    """State of a spec or a lock, or of files and folders; a spec or lock stands alone."""
+    specs = [path for path in paths if path.suffix.lower() in _STATES]
     if not specs:
         return snapshot_of(_read(paths, classic=classic, keep_going=keep_going), _label(paths))
     if len(paths) > 1:
-        message = "a spec is compared on its own: name it without other files"
+        message = "a spec or lock is compared on its own: name it without other files"
         return Snapshot(_label(paths), diagnostics=[Diagnostic("PG632", message, Span(str(specs[0])))])
-    return spec_snapshot(specs[0])
+    if specs[0].suffix.lower() != LOCKS:
+        return spec_snapshot(specs[0])
+    try:
+        return read_lock(specs[0]).snapshot
+    except DiagnosticError as wrong:
+        return Snapshot(_label(paths), diagnostics=list(wrong.diagnostics))
 
 
 def _read(paths: Sequence[Path], *, classic: bool, keep_going: bool) -> Sources:

@@ -17,7 +17,7 @@ from plcgen.project.opening import open_spec
 from plcgen.proof import Asked, verify
 from plcgen.proof.effort import Faults
 from plcgen.report.diff.lock import DEFAULT, check_lock
-from plcgen.report.diff.lockread import read_lock
+from plcgen.report.diff.lockfile import read_lock
 from plcgen.report.diff.planned_layout import project_tables
 from plcgen.report.diff.run import compare, compare_snapshots
 from plcgen.report.review.excerpts import excerpts

@@ -101,12 +101,12 @@ def _relative(path: Path, top: Path) -> str:
 
 
 def _of_interest(path: str, inside: Sequence[str]) -> bool:
-    """Specs and profiles anywhere, since a spec may name them, and the sources of the generated folder."""
+    """The lock, specs and profiles anywhere, since a spec may name them, and the sources of the generated folder."""
     if trap_in(path):
         return False
     suffix = PurePosixPath(path).suffix.lower()
     generated = len(inside) > 1 and path.startswith(f"{inside[1]}/")
-    return suffix in _SPECS or (generated and suffix in (*SOURCES, ".sdf", ".json"))
+    return path in inside or suffix in _SPECS or (generated and suffix in (*SOURCES, ".sdf", ".json"))
 
 
 def _fetch(top: Path, wanted: Sequence[tuple[str, str]], room: Path, revision: str) -> None:

@@ -218,7 +218,7 @@ class _Pair:
 def _mixed(old: BlockState, new: BlockState) -> bool:
     """Whether one side is a document, the other a text, which states less or other things; locks are neither."""
     files = [block.span.file.lower() for block in (old, new) if block.span is not None]
-    return _is_document(old) != _is_document(new) and not any(file.endswith(".yaml") for file in files)
+    return _is_document(old) != _is_document(new) and not any(file.endswith((".json", ".yaml")) for file in files)
 
 
 def _is_document(block: BlockState) -> bool:

@@ -101,7 +101,7 @@ def test_the_runs_of_a_serial_line_are_recorded_too():
 
 def test_the_page_says_what_is_not_there():
     page = show("html", faq_review())
-    for sentence in ("nothing to compare with was named", "there is no plcgen.lock.yaml"):
+    for sentence in ("nothing to compare with was named", "there is no plcgen.lock.json"):
         assert sentence in page
     assert "in order as far as it was run" in page
 
@@ -182,7 +182,7 @@ def repository(tmp_path):
     """A repository with the spec of the FAQ and its files, the spec then changed: 100.0 becomes 50.0."""
     shutil.copy(FAQ, tmp_path / "job.yaml")
     assert api.generate(tmp_path / "job.yaml", tmp_path / "plc").ok
-    assert api.lock(tmp_path / "plc" / "db", out=tmp_path / "plcgen.lock.yaml").ok
+    assert api.lock(tmp_path / "plc" / "db", out=tmp_path / "plcgen.lock.json").ok
     git(tmp_path, "init", "--quiet")
     git(tmp_path, "add", ".")
     git(tmp_path, "commit", "--quiet", "-m", "first")
@@ -237,7 +237,7 @@ def test_a_base_that_does_not_exist(repository, against):
     with pytest.raises(DiagnosticError) as problem:
         api.review(repository / "job.yaml", repository / "plc", against=against, faults="none")
     assert [d.code for d in problem.value.diagnostics] == ["PG901"]
-    assert sorted(path.name for path in repository.iterdir()) == [".git", "job.yaml", "plc", "plcgen.lock.yaml"]
+    assert sorted(path.name for path in repository.iterdir()) == [".git", "job.yaml", "plc", "plcgen.lock.json"]
 
 
 def test_a_broken_file_makes_a_page_that_says_so(tmp_path):

@@ -85,7 +85,7 @@ def test_a_copy_is_the_same(files, elsewhere):
         assert [d for d in result.diagnostics if d.severity.label == "error"] == []
         assert result.changes == ()
         assert result.compared >= 4 * len([path for path in files if not path.endswith("same.db")])
-        lock = root / "x.lock.yaml"
+        lock = root / "x.lock.json"
         written = plcgen.lock(old, out=lock)
         assert written.ok, written.diagnostics
         for checked in (plcgen.check_lock(lock=lock), plcgen.check_lock(new, lock=lock)):
@@ -109,7 +109,7 @@ def test_names_that_look_like_paths(name, tmp_path):
     text += "END_DATA_BLOCK\n"
     old = write(tmp_path / "old", {"b.db": text.format(name, 1)})
     new = write(tmp_path / "new", {"b.db": text.format(name, 2)})
-    lock = tmp_path / "x.lock.yaml"
+    lock = tmp_path / "x.lock.json"
     assert plcgen.lock(old, out=lock).ok
     for result in (plcgen.diff(old, new), plcgen.check_lock(new, lock=lock)):
         (change,) = result.changes
@@ -122,7 +122,7 @@ def test_a_broken_file_is_left_out_if_asked(tmp_path):
     broken = {"c.xml": "<Document>", "d.scl": 'FUNCTION_BLOCK "F"\nVAR\na : Int;\nBEGIN\nEND_FUNCTION_BLOCK\n'}
     old = write(tmp_path / "old", {"b.db": text.format(1), **broken})
     new = write(tmp_path / "new", {"b.db": text.format(2), **broken})
-    lock = tmp_path / "x.lock.yaml"
+    lock = tmp_path / "x.lock.json"
     assert not plcgen.diff(old, new).readable
     assert not plcgen.lock(old, out=lock).ok
     written = plcgen.lock(old, out=lock, keep_going=True)

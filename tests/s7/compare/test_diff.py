@@ -400,8 +400,8 @@ def test_what_no_telegram_says(tmp_path, name, old, new):
     assert old in text
     path.write_text(text.replace(old, new), "utf-8")
     assert plcgen.diff(spec, path).changes
-    plcgen.lock(spec, out=tmp_path / "x.lock.yaml")
-    assert plcgen.check_lock(path, lock=tmp_path / "x.lock.yaml").changes
+    plcgen.lock(spec, out=tmp_path / "x.lock.json")
+    assert plcgen.check_lock(path, lock=tmp_path / "x.lock.json").changes
 
 
 def test_symbols_of_a_station_that_change_places(tmp_path):
@@ -492,7 +492,7 @@ ppi:
 
 def test_ppi_jobs_in_specs(tmp_path):
     """Requests to an S7-200 are compared field by field, too; figures by hand from the S7 PDU: VW100 is bit 320h."""
-    old, new, lock = tmp_path / "old.yaml", tmp_path / "new.yaml", tmp_path / "x.lock.yaml"
+    old, new, lock = tmp_path / "old.yaml", tmp_path / "new.yaml", tmp_path / "x.lock.json"
     old.write_text(PPI, encoding="utf-8")
     new.write_text(PPI.replace("VW100: 7", "VW104: 8").replace("address: 2", "address: 3"), encoding="utf-8")
     assert plcgen.lock(old, out=lock).ok
@@ -602,4 +602,4 @@ def test_files_without_a_block(tmp_path, text):
     result = diff(tmp_path, text, text, "scl")
     assert {(d.code, d.severity.label) for d in result.diagnostics} == {("PG804", "error")}
     assert not result.readable
-    assert not plcgen.lock(tmp_path / "old", out=tmp_path / "x.lock.yaml").ok
+    assert not plcgen.lock(tmp_path / "old", out=tmp_path / "x.lock.json").ok

@@ -85,7 +85,7 @@ def test_start_values_of_instances(twins, line, changed, path, values, with_owne
 
 def test_a_lock_sees_a_start_value_of_an_instance_document(twins):
     """One StartValue edited in the export of an instance: the lock of the exports differs."""
-    lock, path = twins / "plcgen.lock.yaml", twins / "xml/Motor_DB.xml"
+    lock, path = twins / "plcgen.lock.json", twins / "xml/Motor_DB.xml"
     assert plcgen.lock(twins / "xml", out=lock).ok
     assert plcgen.check_lock(twins / "xml", lock=lock).changes == ()
     path.write_text(path.read_text("utf-8-sig").replace(">7</StartValue>", ">9</StartValue>"), "utf-8-sig")
@@ -142,7 +142,7 @@ def test_attributes_of_text_and_document(
     if from_document is not None:
         assert [c.message for c in plcgen.diff(plain, document).changes] == from_document
         assert len(plcgen.diff(document, plain).changes) == len(from_document)
-    lock = tmp_path / "plcgen.lock.yaml"
+    lock = tmp_path / "plcgen.lock.json"
     assert plcgen.lock(text, out=lock).ok
     assert [c.message for c in plcgen.check_lock(document, lock=lock).changes] == (from_document or from_text)
 

@@ -57,9 +57,9 @@ def test_moves_are_those_of_a_second_calculation(kinds, data):
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
         result = plcgen.diff(write(root / "old", old), write(root / "new", new))
-        plcgen.lock(root / "old", out=root / "x.lock.yaml")
-        locked = plcgen.check_lock(root / "new", lock=root / "x.lock.yaml")
-        assert plcgen.check_lock(root / "old", lock=root / "x.lock.yaml").changes == ()
+        plcgen.lock(root / "old", out=root / "x.lock.json")
+        locked = plcgen.check_lock(root / "new", lock=root / "x.lock.json")
+        assert plcgen.check_lock(root / "old", lock=root / "x.lock.json").changes == ()
     for found in (result, locked):
         moved = set()
         for change in found.changes:

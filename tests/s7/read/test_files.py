@@ -326,7 +326,7 @@ def test_a_binary_file_in_a_folder_is_noted_and_left_alone(verb, tmp_path):
     run = {
         "layout": api.layout,
         "diff": lambda path: api.diff(path, path),
-        "lock": lambda path: api.lock(path, out=tmp_path / "plcgen.lock.yaml"),
+        "lock": lambda path: api.lock(path, out=tmp_path / "plcgen.lock.json"),
         "convert": lambda path: api.convert(path, to="xml", out=tmp_path / "xml"),
     }[verb]
     told = [(d.code, d.severity.label, d.message) for d in run(folder).diagnostics]

@@ -106,7 +106,7 @@ def test_a_change_for_one_of_several_specs(tmp_path: Path) -> None:
     result = plcgen.diff(tmp_path / "old", tmp_path / "new")
     assert result.diagnostics == ()
     assert ('DB "saw_generated/Plant"', "type-changed") in [(change.subject, change.kind) for change in result.changes]
-    assert plcgen.lock(tmp_path / "new", out=tmp_path / "lock.yaml").blocks == 2
+    assert plcgen.lock(tmp_path / "new", out=tmp_path / "lock.json").blocks == 2
 
 
 def test_each_plc_has_its_own_types(tmp_path: Path) -> None:
@@ -138,7 +138,7 @@ def test_diff_compares_each_plc_with_itself(tmp_path: Path) -> None:
 
 def test_a_lock_has_every_plc_of_its_folder(tmp_path: Path) -> None:
     """Written, found as written, and a change of one PLC is a change of that one."""
-    lock = tmp_path / "plcgen.lock.yaml"
+    lock = tmp_path / "plcgen.lock.json"
     written = plcgen.lock(project(tmp_path / "plant"), out=lock)
     assert (written.ok, written.blocks) == (True, 4)
     assert plcgen.check_lock(lock=lock).changes == ()
