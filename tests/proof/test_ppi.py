@@ -402,8 +402,8 @@ ORDINARY = {
     ),
     "names that STEP 7 V5 shortens": (
         "plc: {name: t, family: s7-300, toolchain: step7-v5}\n"
-        "ppi: {rechen_und_sandfang: {module: cp341, address: 256, stations: {rechengutwaschpresse: {address: 2}}, jobs: {"
-        "fernquittierung_der_stoerungen: {station: rechengutwaschpresse, write: {M4.0: null}}}}}\n"
+        "ppi: {rechen_und_sandfang: {module: cp341, address: 256, stations: {rechengutwaschpresse: {address: 2}}, "
+        "jobs: {fernquittierung_der_stoerungen: {station: rechengutwaschpresse, write: {M4.0: null}}}}}\n"
     ),
     "one constant for all elements of an array": (
         "plc: {name: t, family: s7-1200, toolchain: tia-v19}\n"
