@@ -21,7 +21,7 @@ Callback = TypeVar("Callback", bound=Callable[..., Any])
 
 
 def line_options(verb: Callback) -> Callback:
-    """Add ``--port``, ``--baud``, ``--station``, ``--source`` and ``--timeout``."""
+    """Add ``--port``, ``--baud``, ``--station``, ``--source``, ``--timeout`` and ``--reference``."""
     options = (
         click.option(
             "--port",
@@ -50,6 +50,12 @@ def line_options(verb: Callback) -> Callback:
             metavar="SECONDS",
             help="How long to wait for the beginning of an answer.  [default: 0.4]",
         ),
+        click.option(
+            "--reference",
+            type=click.Choice(["check", "ignore"]),
+            default="check",
+            help="Whether answers must repeat the reference of a request; many gateways do not.  [default: check]",
+        ),
     )
     for option in reversed(options):
         verb = option(verb)
@@ -63,8 +69,10 @@ def open_client(given: dict[str, Any], symbols: SymbolTable | None = None) -> Cl
     station, source = given["station"], given["source"]
     if station == source:
         raise click.UsageError(f"--station and --source are both {station}")
-    settings = Settings(station=station, own=source, answer=given["timeout"])
-    return Client.open(given["port"], rate=given["baud"], settings=settings, symbols=symbols)
+    settings = Settings(station=station, own=source, answer=given["timeout"], reference=given["reference"])
+    client = Client.open(given["port"], rate=given["baud"], settings=settings, symbols=symbols)
+    client.exchange.notice = console().say
+    return client
 
 
 def station_answer(kind: str, text: str, /, **data: Any) -> Answer:

@@ -10,7 +10,8 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.base.line import Line
@@ -39,11 +40,14 @@ from plcgen.ppi.wire.stream import Chunk, Splitter
 
 NO_ANSWER, REFUSED = "PG718", "PG719"
 _NO_DATA, _NO_RESOURCE = 0x09, 0x02
-_FUNCTION = 10
-"""Place of the function in the PDU of a job."""
+_FUNCTION, _ERROR, _ANSWERED = 10, 10, 12
+"""Places of the function in the PDU of a job, of error and function in that of its answer; the number of items follows.
+"""
+_WITH_ITEMS = frozenset({int(Function.READ), int(Function.WRITE)})
 _HARMLESS = frozenset({int(Function.READ), int(Function.SETUP)})
-_FIRST = encode_pdu(ReadRequest(0, (Item.memory(Area.SM, 0),)))
-"""A read of SMB0: every S7-200 has it, and reading it changes nothing."""
+_FIRST_REFERENCE = 0xA55A
+_FIRST = encode_pdu(ReadRequest(_FIRST_REFERENCE, (Item.memory(Area.SM, 0),)))
+"""A read of SMB0: every S7-200 has it, and reading it changes nothing. No partner makes up its reference."""
 _FRESH = 0.005
 """Seconds behind a smooth exchange in which nothing can have arrived that is worth looking for."""
 
@@ -78,7 +82,8 @@ class Settings:
     """Stations and bounds of an exchange; times in seconds.
 
     ``answer`` is the wait for the beginning of an answer, ``frame`` for the rest of a frame that has begun (255 bytes
-    take 0.3 s at 9600 bit/s), ``pause`` lies between E5 and the next poll.
+    take 0.3 s at 9600 bit/s), ``pause`` lies between E5 and the next poll. ``reference``: whether an answer must have
+    that of its request; what a partner does that never repeats it is found out by the first read.
     """
 
     station: int = 2
@@ -88,6 +93,7 @@ class Settings:
     answer: float = 0.4
     frame: float = 0.5
     pause: float = 0.02
+    reference: Literal["check", "ignore"] = "check"
 
 
 @dataclass(slots=True)
@@ -99,6 +105,40 @@ class Count:
     polls: int = 0
     repeats: int = 0
     skipped: int = 0
+
+
+@dataclass(slots=True)
+class _References:
+    """What is known of a partner: ``ignored`` if the references of its answers mean nothing.
+
+    Gateways and simulations answer with a reference of their own. A partner is one of them if it does so to the first
+    harmless read, whose answer fits otherwise, and again when that is repeated with another reference; not if it has
+    ``echoed`` one. ``strange`` is the reference of such an answer to the read that runs, ``before`` that of its first
+    try. One request is under way at a time, so an answer can only be that to the request before or to this one.
+    """
+
+    ignored: bool = False
+    echoed: bool = False
+    strange: int | None = None
+    before: int | None = None
+
+    def begin(self) -> None:
+        """Another request."""
+        self.strange = self.before = None
+
+    def fit(self, request: bytes, answer: bytes, reference: int) -> bool:
+        """Whether an answer may be that to a request with this reference."""
+        found = int.from_bytes(answer[4:6])
+        if found == reference:
+            self.echoed, self.strange = True, None
+            return True
+        length = 2 if request[_FUNCTION] in _WITH_ITEMS else 1
+        asked, answered = request[_FUNCTION : _FUNCTION + length], answer[_ANSWERED : _ANSWERED + length]
+        same = any(answer[_ERROR:_ANSWERED]) or asked == answered
+        if not self.ignored and same and not self.echoed and request[_FUNCTION] in _HARMLESS:
+            self.ignored = self.before not in {None, found}
+            self.strange = None if self.ignored else found
+        return self.ignored and same
 
 
 class Exchange:
@@ -117,6 +157,9 @@ class Exchange:
         self._heard = Heard()
         self._known = KnownReplies()
         self._asked = False
+        self.notice: Callable[[str], object] = lambda _text: None
+        """Is told what the user should know of a session that works."""
+        self._references = _References(ignored=self.settings.reference == "ignore")
 
     def run(self, request: Request) -> Pdu:
         """Return the answer to a request, see ``run_encoded``. Raises PpiError if the request makes no PDU."""
@@ -134,7 +177,7 @@ class Exchange:
         """
         harmless = pdu[_FUNCTION] in _HARMLESS
         if self._frame_count.last is None and not harmless:
-            self._twice(_FIRST, 0)
+            self._twice(_FIRST, _FIRST_REFERENCE)
         reply = self._twice(pdu, reference) if harmless else self._once(pdu, reference)
         if isinstance(reply, ErrorReply):
             meaning = header_error(reply.code)
@@ -143,11 +186,16 @@ class Exchange:
         return reply
 
     def _twice(self, pdu: bytes, reference: int) -> Pdu:
-        """One exchange, and another one if the first had no answer."""
+        """One exchange, and another one if the first had no answer, with another reference if it had a strange one."""
+        known = self._references
+        known.begin()
         try:
             return self._one(pdu, reference)
         except NoAnswerError:
             self.count.repeats += 1
+        if known.strange is not None:
+            known.before, reference = reference, reference ^ 0xFFFF
+            pdu = pdu[:4] + reference.to_bytes(2) + pdu[6:]
         return self._one(pdu, reference)
 
     def _once(self, pdu: bytes, reference: int) -> Pdu:
@@ -230,6 +278,8 @@ class Exchange:
                 frame = self._receive() if listened else frame
                 if listened and frame is not None:
                     continue
+                if self._references.strange is not None:
+                    break
                 again = listened
             elif frame is not None and number > 0:
                 if not self._try_again(frame):
@@ -237,7 +287,7 @@ class Exchange:
                 self._wait(settings.pause)
             if number < settings.polls:
                 frame = self._ask(again=again)
-        raise self._silent(f"{settings.polls} polls")
+        raise self._silent(f"{number} polls")
 
     def _ask(self, *, again: bool) -> Frame | None:
         """Send a poll, or the last one once more, and return what comes back."""
@@ -258,7 +308,7 @@ class Exchange:
     def _reply(self, request: bytes, reference: int, frame: VariableFrame) -> tuple[Pdu | None, str]:
         """Return the PDU if it is the answer to the request, otherwise why not."""
         layout = self._known.find(request)
-        if layout is not None and frame.pdu[4:6] == request[4:6]:
+        if layout is not None and (frame.pdu[4:6] == request[4:6] or self._references.ignored):
             known = layout.read(frame.pdu, reference)
             if known is not None:
                 return known, ""
@@ -269,10 +319,14 @@ class Exchange:
         if pdu is None or wrong:
             self.count.skipped += 1
             return None, f"an answer that is no valid PDU ({wrong[0].message if wrong else 'unknown'})"
-        if pdu.reference != reference:
+        ignored = self._references.ignored
+        if not self._references.fit(request, frame.pdu, reference):
             self.count.skipped += 1
             return None, f"an answer to request {pdu.reference:04X}h instead of {reference:04X}h"
-        return pdu, ""
+        if self._references.ignored and not ignored:
+            text = "does not repeat references: its answers are taken in their order"
+            self.notice(f"station {self.settings.station} {text}")
+        return pdu if pdu.reference == reference else replace(pdu, reference=reference), ""
 
     # ---- Frames -----------------------------------------------------------------------------------------------
 

@@ -1,6 +1,7 @@
 """One request, one answer: whatever the line does, it ends, and nothing is executed twice."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -8,11 +9,11 @@ from plcgen.base.line.endpoint import EndpointLine
 from plcgen.base.line.model import LineLostError
 from plcgen.ppi.client import Client, ClientError, NoAnswerError, RefusedError, Settings
 from plcgen.ppi.client.heard import Heard, HeardKind
-from plcgen.ppi.sim import Fault, FaultKind
+from plcgen.ppi.sim import Fault, FaultKind, Station
 from plcgen.ppi.wire.address import parse_item
-from plcgen.ppi.wire.fdl import encode_frame
+from plcgen.ppi.wire.fdl import decode_frame, encode_frame
 from plcgen.ppi.wire.model import VariableFrame
-from tests.ppi.client.support import connect, scripted
+from tests.ppi.client.support import Script, connect, scripted
 
 READ = "68 1B 1B 68 02 00 {fc} 32 01 00 00 00 01 00 0E 00 00 04 01 12 0A 10 02 00 01 00 01 84 00 03 20 {fcs} 16"
 ANSWER = bytes.fromhex("68 16 16 68 00 02 08 32 03 00 00 00 01 00 02 00 05 00 00 04 01 FF 04 00 08 22 79 16")
@@ -104,7 +105,6 @@ def test_what_a_line_does_for_a_while(fault):
         ("fcs:times=always", "10 damaged frames instead of an answer from station 2 (10 polls)"),
         ("cut:value=20,at=poll,times=always", "a frame from station 2 broke off after 20 bytes (10 polls)"),
         ("cut:value=3,at=poll,times=always", "10 damaged frames instead of an answer from station 2 (10 polls)"),
-        ("reference:times=always,value=9", "no answer from station 2 (10 polls): an answer to request 0009h"),
         ("nack:times=always", "station 2 has no resource (NACK 02h, 3 times sent)"),
         ("nack:at=poll,times=always", "station 2 has no resource (NACK 02h, 10 polls)"),
     ],
@@ -123,6 +123,99 @@ def test_what_a_line_does_for_ever(fault, message):
     assert client.read("VB100")[0].ok
     requests = [entry.frame.function for entry in bus.journal if entry.direction == ">" and len(entry.data) > 6]
     assert requests[-1] == 0x6C
+
+
+def test_a_station_that_repeats_references_is_held_to_that():
+    """Once it has repeated one, an answer with another reference is one to an older request, for ever."""
+    client, _, bus, _ = connect(values={"VB100": 0x22})
+    client.read("VB100")
+    bus.faults.append(Fault(FaultKind.REFERENCE, times=None, value=9))
+    with pytest.raises(NoAnswerError, match=r"no answer from station 2 .10 polls.: an answer to request 0009h"):
+        client.read("VB100")
+
+
+class Virtual:
+    """A partner like HslCommunication's virtual S7-200: E5, then after a frame that ends with 16h the answer, with
+    reference 0000 to a read, 0001 to a write. A poll without a request ends the connection.
+    """
+
+    def __init__(self, *, echo_first=0):
+        self.station = Station(values={"VB100": 0x22, "VW200": 7})
+        self.asked = None
+        self.waiting = b""
+        self.requests = []
+        self.echo_first = echo_first
+
+    def receive(self, data, _now):
+        """A request, or the poll for its answer."""
+        if self.asked is None:
+            assert data[0] == 0x68, "a poll without a request"
+            self.asked, self.waiting = bytes(data), ACK
+            self.requests.append(self.asked)
+            return
+        self.station.receive(decode_frame(self.asked))
+        answer = self.station.receive(decode_frame(bytes.fromhex("10 02 00 5C 5E 16")))
+        write = self.asked[17] == 5
+        self.echo_first -= 1
+        if self.echo_first < 0:
+            answer = replace(answer, pdu=answer.pdu[:4] + bytes((0, write)) + answer.pdu[6:])
+        self.asked, self.waiting = None, encode_frame(answer)
+
+    transmit, due = Script.transmit, Script.due
+
+
+def virtual(partner, **settings):
+    """A client on it, and what its user is told."""
+    line = EndpointLine(partner, name="virtual")
+    client = Client(line, Settings(**settings), now=lambda: line.clock.now / 1000)
+    told = []
+    client.exchange.notice = told.append
+    return client, told
+
+
+def test_a_partner_without_references_is_found_out_by_the_first_read():
+    """The read is repeated with another reference; the answer has not that either, so order counts. Said once."""
+    partner = Virtual()
+    client, told = virtual(partner)
+    assert client.read("VB100")[0].value == 0x22
+    assert [request[11:13] for request in partner.requests] == [b"\x00\x01", b"\xff\xfe"]
+    assert told == ["station 2 does not repeat references: its answers are taken in their order"]
+    (written,) = client.write({"VW200": 4711})
+    assert written.ok
+    assert client.read("VW200", "VB100")[0].value == 4711
+    assert (len(partner.requests), len(told)) == (4, 1)
+
+
+def test_a_write_to_a_partner_without_references_comes_after_the_read_that_finds_it_out():
+    """SMB0 twice, then the write, once."""
+    partner = Virtual()
+    client, told = virtual(partner)
+    (written,) = client.write({"VW200": 4711})
+    assert written.ok
+    assert [request[17] for request in partner.requests] == [4, 4, 5]
+    assert partner.station["VW200"] == 4711
+    assert len(told) == 1
+
+
+def test_references_that_the_user_does_not_want_checked():
+    """--reference ignore: no second read, nothing to say; what is answered must still be what was asked."""
+    partner = Virtual()
+    client, told = virtual(partner, reference="ignore")
+    assert client.read("VB100")[0].value == 0x22
+    assert (len(partner.requests), told) == (1, [])
+    wrong = bytes.fromhex("68 12 12 68 00 02 08 32 03 00 00 00 00 00 02 00 01 00 00 05 01 FF 47 16")
+    client, _script, _ = scripted([ACK, wrong], reference="ignore")
+    with pytest.raises(NoAnswerError):
+        client.read("VB100")
+
+
+def test_a_partner_that_repeated_a_reference_once_is_not_taken_for_one_that_never_does():
+    """Whoever can repeat one and then does not sends answers to something else."""
+    client, told = virtual(Virtual(echo_first=1))
+    assert client.read("VB100")[0].value == 0x22
+    with pytest.raises((NoAnswerError, AssertionError)):
+        client.read("VB100")
+    assert told == []
 
 
 def test_a_whole_frame_with_a_wrong_sum_did_not_break_off():
