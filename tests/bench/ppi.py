@@ -17,6 +17,8 @@ from plcgen.ppi.wire.model import Item
 
 GOAL = 1.0
 """Reads per second as a multiple of snap7's: over it we are faster."""
+TIME_GOAL = 1.3
+"""Processor time of a read with snap7's client as a multiple of ours."""
 
 SIZE = 222
 _ROUNDS, _ROUND = 7, 0.4
@@ -159,7 +161,9 @@ def main() -> None:
     for title, options in (("pseudo terminal", ()), ("TCP", ("--tcp", "127.0.0.1:0"))):
         (ours, used), (theirs, their_used) = against_snap7(*options)
         rates = f"plcgen {ours:6,.0f}/s   snap7 {theirs:6,.0f}/s   ratio {ours / theirs:.2f}   goal > {GOAL:.0f}"
-        print(f"  {title:<16} {rates}   own time {used:.0f} us, snap7 {their_used:.0f} us")
+        print(f"  {title:<16} {rates}")
+        times = f"{used:.0f} us, snap7 {their_used:.0f} us   ratio {their_used / used:.2f}   goal > {TIME_GOAL}"
+        print(f"  {'':<16} processor time of a read {times}")
     rate, own = in_memory()
     print(f"  in memory        {rate:,.0f} exchanges/s (client, codec and simulated station)")
     print(f"  the station      {own:.0f} us of its own for an exchange   goal < {SIMULATOR_GOAL:.0f}")

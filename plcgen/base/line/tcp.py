@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import math
 import select
 import socket
 
@@ -42,6 +43,9 @@ class TcpLine(WaitingLine):
         connection.setblocking(False)  # noqa: FBT003 - the standard library's signature
         self._socket = connection
         self._descriptor = connection.fileno()
+        self._poll = select.poll() if hasattr(select, "poll") else None
+        if self._poll is not None:
+            self._poll.register(self._descriptor, select.POLLIN)
         super().__init__(name)
 
     @classmethod
@@ -67,6 +71,12 @@ class TcpLine(WaitingLine):
 
     def _receive(self, maximum: int) -> bytes:
         return self._socket.recv(maximum)
+
+    def _ready(self, timeout: float | None) -> bool:
+        """By poll where the system has it: it needs less time than select."""
+        if self._poll is None:
+            return super()._ready(timeout)
+        return bool(self._poll.poll(None if timeout is None else math.ceil(timeout * 1000)))
 
 
 class TcpServer:

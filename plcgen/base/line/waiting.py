@@ -56,13 +56,12 @@ class WaitingLine(ABC):
 
     def read(self, maximum: int = CHUNK, timeout: float | None = None) -> bytes:
         """Return what has arrived; empty after ``timeout`` seconds. Raises LineLostError at its end."""
-        descriptor = self.fileno()
-        if descriptor < 0:
+        if self.fileno() < 0:
             raise self._closed()
         end = None if timeout is None else time.monotonic() + timeout
         left = timeout
         while True:
-            if left != 0 and not select.select((descriptor,), (), (), left)[0]:
+            if left != 0 and not self._ready(left):
                 return b""
             try:
                 found = self._receive(maximum)
@@ -76,6 +75,10 @@ class WaitingLine(ABC):
             if not found:
                 raise LineLostError(self._name, "the partner closed the line")
             return found
+
+    def _ready(self, timeout: float | None) -> bool:
+        """Wait until bytes are there or the line has ended."""
+        return bool(select.select((self.fileno(),), (), (), timeout)[0])
 
     def _closed(self) -> LineLostError:
         return LineLostError(self._name, "the line is closed")

@@ -209,8 +209,10 @@ class Client:
         asked = [self.place(place) for place in places]
         results = self.read_items([place.item for place in asked])
         return tuple(
-            Reading(place, result.code, result.data, place.value(result.data) if result.ok else None)
-            for place, result in zip(asked, results, strict=True)
+            [
+                Reading(place, result.code, result.data, place.value(result.data) if result.ok else None)
+                for place, result in zip(asked, results, strict=True)
+            ]
         )
 
     def read_items(self, items: Sequence[Item]) -> tuple[ItemResult, ...]:

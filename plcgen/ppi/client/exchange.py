@@ -48,6 +48,7 @@ _HARMLESS = frozenset({int(Function.READ), int(Function.SETUP)})
 _FIRST_REFERENCE = 0xA55A
 _FIRST = encode_pdu(ReadRequest(_FIRST_REFERENCE, (Item.memory(Area.SM, 0),)))
 """A read of SMB0: every S7-200 has it, and reading it changes nothing. No partner makes up its reference."""
+_ADDRESSED = (VariableFrame, FixedFrame)
 _FRESH = 0.005
 """Seconds behind a smooth exchange in which nothing can have arrived that is worth looking for."""
 
@@ -170,8 +171,8 @@ class Exchange:
 
         The very first frame, 6Ch, is the one of which a station cannot see a repetition: if its E5 is lost, it is
         executed twice. So what is more than a read comes second, behind a read of SMB0. A read that gets no answer is
-        sent once more as a whole, unless it was refused: reading twice does no harm. Anything else is not repeated: if
-        its E5 came, it may have been executed, which the error says.
+        sent once more as a whole, unless it was refused: reading twice does no harm. Anything else is not repeated: it
+        may have been executed, which the error says, also if nothing came: every E5 may have been lost.
 
         Raises NoAnswerError, RefusedError (an error in the header, or a negative answer of the line) and LineError.
         """
@@ -199,15 +200,14 @@ class Exchange:
         return self._one(pdu, reference)
 
     def _once(self, pdu: bytes, reference: int) -> Pdu:
-        """One exchange of which nobody knows how it ended if the station took it and nothing more is heard."""
+        """One exchange of which nobody knows how it ended if nothing is heard: every E5 may be lost, too."""
         try:
             return self._one(pdu, reference)
         except NoAnswerError as problem:
-            if not self._asked:
-                raise
-            text = f"{problem.diagnostics[0].message}; the request was taken and may have been executed"
+            (found,) = problem.diagnostics
+            text = f"{found.message}; the request{' was taken and' if self._asked else ''} may have been executed"
             help_ = "read what it should have changed before you repeat it"
-            raise NoAnswerError(self.line.name, text, help_) from problem
+            raise NoAnswerError(self.line.name, text, help_ if self._asked else f"{help_}; {found.help}") from problem
 
     def _one(self, pdu: bytes, reference: int) -> Pdu:
         """Request, E5, poll, answer."""
@@ -375,7 +375,7 @@ class Exchange:
 
     def _is_ours(self, frame: Frame) -> bool:
         """Whether a frame can answer us: E5, or a frame from the station to us that is no request."""
-        if isinstance(frame, VariableFrame | FixedFrame):
+        if isinstance(frame, _ADDRESSED):
             answers = frame.source == self.settings.station and frame.destination == self.settings.own
             return answers and not frame.function & REQUEST
         return isinstance(frame, Acknowledgement)

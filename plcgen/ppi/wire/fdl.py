@@ -37,6 +37,9 @@ _WITH_FRAME_COUNT = frozenset({0x3, 0x5, 0xC, 0xD})
 Examined = tuple[Frame | None, list[Violation]]
 
 
+_E5 = Acknowledgement()
+
+
 def checksum(data: bytes) -> int:
     """FCS of the bytes from DA to the last byte of the PDU."""
     return sum(data) & 0xFF
@@ -101,7 +104,9 @@ def found_frame(data: bytes) -> Frame:
         return FixedFrame(data[1], data[2], data[3])
     if start == SD3:
         return DataFrame(data[1], data[2], data[3], data[4:12])
-    return TokenFrame(data[1], data[2]) if start == SD4 else Acknowledgement(start)
+    if start == SD4:
+        return TokenFrame(data[1], data[2])
+    return _E5 if start == ACKNOWLEDGE else Acknowledgement(start)
 
 
 def examine_frame(data: bytes) -> Examined:

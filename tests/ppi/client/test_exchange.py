@@ -369,13 +369,23 @@ def test_what_was_taken_may_have_been_executed(job, seen, fault):
     assert (client.read("VW100")[0].value if job == "write" else plc.cpu.mode.value) == seen
 
 
-def test_what_nobody_took_is_said_to_be_unanswered():
-    """Without E5 there is no reason to believe that anything was executed."""
-    client, plc, _, _ = connect(["deaf:at=request,after=1,times=always"], values={"VW100": 1})
+@pytest.mark.parametrize(("fault", "value"), [("deaf", b"\0\1"), ("silence", b"\0\7")])
+def test_without_e5_nobody_knows(fault, value):
+    """Three times deaf, or three times E5 lost: the client hears the same, and one of both was executed."""
+    client, plc, _, _ = connect([f"{fault}:at=request,after=1,times=always"], values={"VW100": 1})
+    with pytest.raises(NoAnswerError, match=r"does not answer .3 times sent.; the request may have been executed"):
+        client.write({"VW100": 7})
+    assert plc.cpu.memory.read(parse_item("VW100")).data == value
+
+
+def test_what_comes_after_a_read_that_failed_is_not_sent():
+    """Nothing is said of a write whose read of SMB0 has no answer: it was not executed."""
+    client, plc, bus, _ = connect(["silence:times=always"], values={"VW100": 1})
     with pytest.raises(NoAnswerError) as caught:
         client.write({"VW100": 7})
     assert "executed" not in caught.value.diagnostics[0].message
     assert plc.cpu.memory.read(parse_item("VW100")).data == b"\0\1"
+    assert all(len(entry.data) != 41 - 2 for entry in bus.journal)
 
 
 @pytest.mark.parametrize(
