@@ -65,7 +65,7 @@ def test_several_mistakes_are_all_reported_in_reading_order(tmp_path: Path) -> N
     """One run shows everything: order is that of the text."""
     jobs = (
         "jobs:\n"
-        "  j: {drive: d, write: {P971: 1}, reference: 0}\n"
+        "  j: {drive: d, write: {P2000: 1.0}, reference: 0}\n"
         "  k: {drive: d, read: [P50303], timeout: 1ms, trigger: M9000.0}\n"
     )
     found = _check(jobs, tmp_path)

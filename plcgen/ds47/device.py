@@ -213,6 +213,17 @@ def _completed(own: Parameter, said: Parameter) -> Parameter:
 
 
 @dataclass(frozen=True, slots=True)
+class Absence:
+    """Why a device is known not to have a parameter: a source, and how it says so."""
+
+    source: str
+    grade: Grade
+
+    def __str__(self) -> str:
+        return self.source if self.grade == "read" else f"{self.source} ({self.grade})"
+
+
+@dataclass(frozen=True, slots=True)
 class Device:
     """A device profile: limits and behaviour of one drive family (source: its manuals, named in ``source``).
 
@@ -222,7 +233,7 @@ class Device:
     request without an index: (read, write). ``bases`` are the numbers of limits and references, which other values
     are measured by. ``bico`` says whether BICO values carry the drive object, ``like`` from which device those
     parameters come that the profile does not name. ``object_types`` is None if all parameters are in one drive object,
-    or nobody knows in which.
+    or nobody knows in which. ``absences`` are numbers that it is known not to have, beside those that its lists lack.
     """
 
     key: str
@@ -248,16 +259,28 @@ class Device:
     object_types: ObjectTypes | None = None
     lists: tuple[DeviceList, ...] = ()
     messages: tuple[str, ...] = ()
+    absences: Mapping[int, Absence] = field(default_factory=dict)
 
     def find(self, pnu: int, object_type: str = "") -> Parameter | None:
         """What is known of a number: the profile's own row, else what lists say of it for a type of drive object, or
         for the usual one.
         """
-        types = self.object_types
+        own, types = self.parameters.get(pnu), self.object_types
+        if own is None and pnu in self.absences:
+            return None
         usual = _listed(self.lists, pnu, types.others) if types is not None and not object_type else None
         said = usual or _listed(self.lists, pnu, object_type)
-        own = self.parameters.get(pnu)
         return said if own is None else _completed(own, said) if said is not None else own
+
+    def confirmed(self, pnu: int, object_type: str) -> Parameter | None:
+        """A parameter that a drive object is known to have, with a type that is not from memory; None if nobody knows,
+        or only a list of another device has it.
+        """
+        own = self.parameters.get(pnu)
+        if own is None:
+            those = [one for one in _candidates(self.lists, object_type) if one.grade == "read"]
+            return self.find(pnu, object_type) if those and all(one.rows(pnu) for one in those) else None
+        return own if own.type and own.grades.get("type") != "recalled" else None
 
     def search(self, text: str) -> list[Parameter]:
         """Parameters by number whose titles have every word of a text, in the catalogue and in the lists."""
@@ -287,9 +310,12 @@ class Device:
     def lacks(self, pnu: int, object_type: str) -> Literal["surely", "perhaps", ""]:
         """Whether a drive object of a type has no such parameter.
 
-        ``surely``: its list was read whole; ``perhaps``: lists name it for objects of other groups alone.
+        ``surely``: its list was read whole, or a source says so; ``perhaps``: that is a conclusion, or lists name it
+        for objects of other groups alone.
         """
         known, types = self.parameters.get(pnu), self.object_types
+        if known is None and pnu in self.absences:
+            return "surely" if self.absences[pnu].grade == "read" else "perhaps"
         if known is None and self.absent(pnu, object_type):
             return "surely"
         if known is None or types is None or not known.objects or object_type in ("", OTHER):
@@ -302,9 +328,11 @@ class Device:
         return "" if kindred(own) & known.objects else "perhaps"
 
     def absent(self, pnu: int, object_type: str) -> tuple[str, ...]:
-        """The lists that were read whole for a type of drive object and do not have a number; none if that says
-        nothing.
+        """What says that a drive object does not have a number: the profile, or the lists of its type that were read
+        whole; nothing if nobody knows.
         """
+        if pnu in self.absences:
+            return (str(self.absences[pnu]),)
         those = _candidates(self.lists, object_type)
         if pnu in UNLISTED or not all(one.whole for one in those) or any(one.rows(pnu) for one in those):
             return ()

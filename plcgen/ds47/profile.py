@@ -26,6 +26,7 @@ from plcgen.ds47 import guards, lists
 from plcgen.ds47 import messages as known_messages
 from plcgen.ds47.device import (
     UNKNOWN,
+    Absence,
     Device,
     DeviceList,
     Fact,
@@ -128,6 +129,13 @@ class ProfileList(StrictModel):
         """The same for a device."""
         whole = self.whole and self.grade == "read"
         return DeviceList(self.list, frozenset(self.objects), self.type or "", self.grade, whole)
+
+
+class ProfileAbsence(StrictModel):
+    """A parameter that the device does not have."""
+
+    source: Line = Field(description="what says so: a text, or a name from sources")
+    grade: Grade = Field("read", description="inferred: a conclusion from the source")
 
 
 class ProfileLimits(StrictModel):
@@ -297,6 +305,9 @@ class DeviceProfile(StrictModel):
     sources: dict[Name, Line] = Field(default_factory=dict, description="sources by a short name, for parameters")
     lists: tuple[ProfileList, ...] = Field((), description="whole lists of parameters that it has")
     messages: tuple[known_messages.Family, ...] = Field((), description="families whose messages it has")
+    absent: dict[ParameterNumber, ProfileAbsence] = Field(
+        default_factory=dict, description="parameters that it is known not to have"
+    )
     parameters: dict[ParameterNumber, ParameterEntry] = Field(default_factory=dict, description="the catalogue")
 
     @field_validator("like")
@@ -314,6 +325,7 @@ class DeviceProfile(StrictModel):
         """Numbers and names are compared as they were given, so that other mistakes do not hide them."""
         like = info.data.get("like")
         lent = info.context[LENDERS][like]().parameters if like is not None and info.context else {}
+        absent = {number_of(key) for key in info.data.get("absent", ())}
         problems, numbers, names, parameters = Problems(), dict[int, str](), dict[str, str](), None
         try:
             parameters = handler(given)
@@ -328,6 +340,8 @@ class DeviceProfile(StrictModel):
             named = names.setdefault(name.lower(), key) if isinstance(name, str) else key
             if named != key:
                 problems.add(problem(f'{named} has the name "{name}" as well'), key, "name")
+            if pnu in absent:
+                problems.add(problem(f"{key} is among the absent parameters, too", code="PG103", at_key=True), key)
             reason = guards.why_read_only(key, pnu, catalogued=lent[pnu].access if pnu in lent else "")
             if reason and isinstance(entry, dict) and entry.get("access") in {"w", "rw"}:
                 problems.add(problem(f"{key} cannot be written: {reason}", code="PG207"), key, "access")
@@ -358,6 +372,10 @@ class DeviceProfile(StrictModel):
             object_types=None if self.object_types is None else _object_types(self.object_types),
             lists=tuple(one.known() for one in self.lists),
             messages=self.messages,
+            absences={
+                number_of(key) or 0: Absence(self.sources.get(one.source, one.source), one.grade)
+                for key, one in self.absent.items()
+            },
             parameters={found.pnu: found for found in itertools.starmap(self._parameter, self.parameters.items())},
         )
 

@@ -48,7 +48,7 @@ def test_verbs_without_paths(plcgen, configured):
 def test_strict(plcgen, configured, tmp_path):
     """What is a warning elsewhere is an error in this repository."""
     spec = tmp_path / configured
-    spec.write_text(spec.read_text("utf-8").replace("P50303", "r945"), "utf-8")
+    spec.write_text(spec.read_text("utf-8").replace("P50303", "P922"), "utf-8")
     assert plcgen("check").code == 1
     (tmp_path / "plcgen.toml").unlink()
     assert plcgen("check", configured).code == 0

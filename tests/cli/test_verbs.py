@@ -342,11 +342,11 @@ def test_verify_for_real(plcgen, good):
 
 
 def test_general_knowledge_is_a_warning_and_strict_makes_it_an_error(plcgen, tmp_path):
-    """The type of P971 of a SINAMICS DCM is recalled: check and verify say so."""
+    """The type of P2000 of a SINAMICS DCM is recalled: check and verify say so."""
     (tmp_path / "x.yaml").write_text(
         "plc: {name: a, family: s7-1500, toolchain: tia-v19}\n"
         "drives: {d: {device: sinamics-dcm, hardware_id: 270}}\n"
-        "jobs: {j: {drive: d, write: {P971: 1}, allow: {P971: after commissioning}}}\n",
+        "jobs: {j: {drive: d, write: {P2000: 1.0}, allow: {P2000: after commissioning}}}\n",
         "utf-8",
     )
     assert plcgen("generate", "x.yaml", "-q").code == 0
@@ -382,10 +382,10 @@ def test_new_starts_with_what_most_need(plcgen, tmp_path):
         "read_faults": ["r945[0..7]", "r949[0..7]"],
     }
     assert list(jobs("--device", "sinamics-g120", "--job", "faults", "--job", "ramps")) == ["set_ramps", "read_faults"]
-    assert jobs("--device", "sinamics-dcm")["read_ramp_up_time_1"] == ["P50303"]  # nobody has read r945 of a DCM
-    refused = plcgen("new", "--device", "sinamics-dcm", "--job", "faults", "--force")
-    assert refused.code == 2
-    assert "does not confirm what --job faults needs; available: ramps" in refused.err
+    assert jobs("--device", "micromaster-4")["set_ramps"] == {"P1120": {"start": 10.0}, "P1121": {"start": 10.0}}
+    refused = plcgen("new", "--device", "micromaster-4", "--job", "faults", "--force")
+    assert refused.code == 2  # it has no r945
+    assert "does not confirm what --job faults needs; available: " in refused.err
 
 
 def test_new_never_overwrites(plcgen, tmp_path):

@@ -471,3 +471,23 @@ def test_a_profile_on_the_command_line_may_lie_anywhere(tmp_path: Path) -> None:
         devices.find_device(str(tmp_path / "acme.yaml"))
     write(tmp_path)
     assert devices.find_device(str(tmp_path / "acme.yaml")).drive_object == 7
+
+
+def test_a_parameter_is_there_or_absent(tmp_path: Path) -> None:
+    """Not both, whatever letter and zeros it is written with; one that is absent is not found in a list either."""
+    own = tmp_path / "acme.yaml"
+    head = "title: A\nsource: m\nrecord_index: {profibus: 47, default: profibus}\ndrive_object: {default: 1}\n"
+    lists = "lists: [{list: vector, objects: [VECTOR], grade: inferred}]\n"
+    own.write_text(f"{head}absent: {{r0021: {{source: m}}}}\nparameters: {{P21: {{type: FloatingPoint}}}}\n", "utf-8")
+    with pytest.raises(DiagnosticError) as wrong:
+        devices.find_device(str(own))
+    (told,) = wrong.value.diagnostics
+    assert (told.code, told.message, told.span.line) == ("PG103", "P21 is among the absent parameters, too", 6)
+    own.write_text(f"{head}{lists}sources: {{p9: manual p. 9}}\nabsent: {{r0021: {{source: p9}}}}\n", "utf-8")
+    device = devices.find_device(str(own))
+    assert device.find(21) is None
+    assert device.find(22) is not None
+    assert (device.absent(21, ""), device.lacks(21, "")) == (("manual p. 9",), "surely")
+    own.write_text(own.read_text("utf-8").replace("source: p9", "source: p9, grade: inferred"), "utf-8")
+    device = devices.find_device(str(own))
+    assert (device.absent(21, ""), device.lacks(21, "")) == (("manual p. 9 (inferred)",), "perhaps")

@@ -12,13 +12,9 @@ Side = tuple[str, tuple[str, ...]]
 WIDE = ("Integer64", "Unsigned64", "Float64")
 TEXTS = ("VisibleString[1]", "VisibleString[5]", "OctetString[1]", "OctetString[4]")
 TIMES = ("BinaryDate", "TimeOfDay")
-SMALL = (
-    "micromaster-4", "sinamics-g110m", "sinamics-g115d", "sinamics-g120", "sinamics-g120c", "sinamics-g120x",
-    "sinamics-v90",
-)  # fmt: skip
+G120 = "sinamics-g110m", "sinamics-g115d", "sinamics-g120", "sinamics-g120c", "sinamics-g120x"
+SMALL = ("micromaster-4", *G120, "sinamics-v90")
 """Devices of one drive object."""
-LESS = (*SMALL, "profidrive", "sinamics-dcm", "sinamics-dcp")
-"""Those and others of whose messages, and whose parameters that activate, nothing was read."""
 RECIPES = ("write_recipe", "read_recipe", "compare_recipe")
 LISTS = (
     "bits", "readback", "saved", "restore", "save", "faults", "alarms", "acknowledge", "compare", "steps", "until",
@@ -26,7 +22,6 @@ LISTS = (
 )  # fmt: skip
 """Kinds of more than one telegram, or that deliver a list."""
 OWN = ("buffers", ("db", "numbers", "sizes"))
-OTHERS = ("sinamics-g130", "sinamics-g150", "sinamics-s150", "sinamics-s210")
 
 Refusal = tuple[tuple[Side, ...], str]
 DRIVES: tuple[Refusal, ...] = (
@@ -47,10 +42,15 @@ DRIVES: tuple[Refusal, ...] = (
     ((OWN, ("drives", ("list",))), "PG223"),
     ((OWN, ("index", ("many",))), "PG223"),
     ((OWN, ("kind", LISTS)), "PG223"),
-    ((("kind", ("faults", "alarms")), ("device", LESS)), "PG248"),
-    ((("kind", ("acknowledge", "activate")), ("device", (*LESS, "sinamics-s210"))), "PG248"),
-    ((("kind", ("clock",)), ("device", (*LESS, *OTHERS))), "PG248"),
-    ((("kind", ("save", "saved")), ("device", ("sinamics-s210",))), "PG243"),
+    ((("kind", ("faults",)), ("device", (*SMALL, "profidrive", "sinamics-dcp"))), "PG248"),
+    ((("kind", ("alarms",)), ("device", (*SMALL, "sinamics-dcp"))), "PG248"),
+    ((("kind", ("alarms", "acknowledge", "activate", "clock")), ("device", ("profidrive",))), "PG262"),
+    ((("kind", ("acknowledge",)), ("device", ("micromaster-4", "sinamics-dcp"))), "PG248"),
+    ((("kind", ("activate",)), ("device", ("sinamics-v90", "sinamics-dcm", "sinamics-dcp"))), "PG248"),
+    ((("kind", ("activate",)), ("device", ("micromaster-4",))), "PG262"),
+    ((("kind", ("clock",)), ("device", ("micromaster-4", "sinamics-v90", "sinamics-dcp"))), "PG248"),
+    ((("kind", ("activate", "clock")), ("device", G120)), "PG262"),
+    ((("kind", ("acknowledge", "activate", "clock", "save", "saved")), ("device", ("sinamics-s210",))), "PG262"),
 )
 """All sides together are refused with the code, whatever else the row says."""
 

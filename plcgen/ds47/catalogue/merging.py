@@ -198,6 +198,10 @@ def profile_text(device: Device) -> str:
         head["lists"] = [_of_list(one) for one in device.lists]
     if device.messages:
         head["messages"] = list(device.messages)
+    if device.absences:
+        head["absent"] = {
+            f"P{pnu}": {"source": one.source, "grade": one.grade} for pnu, one in sorted(device.absences.items())
+        }
     lines = [f"{key}: {_flow(value)}" for key, value in head.items()]
     rows = [f"  {_key(one)}: {_flow(_row(one))}" for _, one in sorted(device.parameters.items())]
     return "\n".join([*lines, "parameters:" if rows else "parameters: {}", *rows]) + "\n"

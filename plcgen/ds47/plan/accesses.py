@@ -150,7 +150,8 @@ class Accesses:
 
         PG243 if not: no other is taken in its place.
         """
-        known = self.resolver.known.get(number_of(item.parameter) or 0)
+        pnu = number_of(item.parameter) or 0
+        known = self.resolver.known.get(pnu) or self.resolver.confirmed(pnu)
         setting = item.value if isinstance(item, WriteItem) and item.value != 1 else None
         device, name = self.resolver.device.key, item.parameter
         if known is not None and known.type and setting is not None and known.maximum is None:
@@ -161,6 +162,8 @@ class Accesses:
         if known is not None and known.type:
             return True
         others = [f"save: {word}" for word, pnu in SAVES.items() if pnu in self.resolver.known and f"P{pnu}" != name]
+        if self.resolver.lacks([name], path, "; ".join(others)):
+            return False
         message = f"{name} is not in the catalogue of {device}: it is not known whether writing it saves anything"
         define = f"if your drive has it, define it there: parameters: {{{name}: {{type: Unsigned16}}}}"
         self.report.add(Diagnostic("PG243", message, self.loaded.span(path), help="; ".join((*others, define))))
@@ -169,14 +172,13 @@ class Accesses:
     def _all_known(self, kind: JobKind, items: Items, path: SpecPath) -> bool:
         """Whether every parameter that the job does not name itself is known, with a type that is not from memory.
 
-        PG248 for those that are not: a job that reads something else than it says is worse than none.
+        PG262 for those that the drive object is known not to have, PG248 for those that nobody has looked up: a job
+        that reads something else than it says is worse than none.
         """
         wanted = dict.fromkeys(item.parameter.partition("[")[0] for item in items)
-        missing = []
-        for name in wanted:
-            known = self.resolver.known.get(number_of(name) or 0)
-            if known is None or not known.type or known.grades.get("type", "read") == "recalled":
-                missing.append(name)
+        missing = [name for name in wanted if self.resolver.confirmed(number_of(name) or 0) is None]
+        if self.resolver.lacks(missing, path):
+            return False
         if not missing:
             return True
         names, them = ", ".join(missing), "it" if len(missing) == 1 else "them"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from copy import copy
 from dataclasses import replace
 from typing import Any
@@ -15,7 +15,7 @@ from plcgen.ds47.kinds.kind import ReadItem, WriteItem
 from plcgen.ds47.plan.access import Compare, Read, Use, Write
 from plcgen.ds47.plan.nouns import PlannedDrive
 from plcgen.ds47.plan.pack import MAX_TELEGRAMS
-from plcgen.ds47.references import Reference, parse_reference, spelling_hint
+from plcgen.ds47.references import Reference, number_of, parse_reference, spelling_hint
 from plcgen.ds47.types import TypeTextError, read_type
 from plcgen.ds47.wire import formats
 from plcgen.ds47.wire.bico import parse_bico
@@ -62,6 +62,21 @@ class UseResolver:
     ) -> None:
         """Report what is wrong at a place of the spec."""
         self.report.add(Diagnostic(code, message, self.loaded.span(path), severity, help=help_))
+
+    def confirmed(self, pnu: int) -> Parameter | None:
+        """A parameter that the spec defines, or that the drive object is known to have."""
+        return self.own.get(pnu) or self.device.confirmed(pnu, self.object_type)
+
+    def lacks(self, names: Iterable[str], path: SpecPath, help_: str = "") -> bool:
+        """Whether the drive object is known not to have some parameters; PG262 if so."""
+        absent = {name: self.device.absent(number_of(name) or 0, self.object_type) for name in names}
+        gone = [name for name, sources in absent.items() if sources and number_of(name) not in self.own]
+        if gone:
+            sources = dict.fromkeys(source for name in gone for source in absent[name])
+            message = f"{self.device.title} has no {', '.join(gone)}: {'; '.join(sources)}"
+            search = f"plcgen catalogue show WORD --device {self.device.key} searches"
+            self.problem("PG262", message, path, help_ or f"the drive would answer error 00h: {search}")
+        return bool(gone)
 
     def resolve(self, item: ReadItem | WriteItem, position: int, path: SpecPath, *, write: bool) -> Use | None:
         """Turn one item of a job into a use; None if something about it is wrong."""
@@ -138,17 +153,10 @@ class UseResolver:
             return None
         known = self.own.get(reference.pnu) or self.device.find(reference.pnu, self.object_type)
         if known is None and given is None:
-            absent = self.device.absent(reference.pnu, self.object_type)
-            if absent:
-                written = f"{'r' if reference.read_only else 'P'}{reference.pnu}"
-                message = f"{self.device.title} has no {written}: {'; '.join(absent)}"
-                help_ = (
-                    f"the drive would answer error 00h: plcgen catalogue show WORD --device {self.device.key} searches"
-                )
-                self.problem("PG262", message, place, help_)
+            written = f"{'r' if reference.read_only else 'P'}{reference.pnu}"
+            if self.lacks([written], place):
                 return None
             # no number that looks like it is offered: the neighbour of a parameter is another parameter
-            written = f"{'r' if reference.read_only else 'P'}{reference.pnu}"
             message = f"{written} is not in the catalogue of {self.device.key}: its data type is missing"
             define = f"parameters: {{{written}: {{type: ..}}}}"
             help_ = (

@@ -82,18 +82,18 @@ def _needed(plan: DrivePlan, job: DriveJob, use: Use) -> Iterator[_Needed]:
 
 
 def _missing(plan: DrivePlan, job: DriveJob, needed: _Needed, *, sure: bool) -> Diagnostic:
-    known = job.drive.device.find(needed.pnu)
+    known, has = job.drive.device.find(needed.pnu), "has" if sure else "may have"
+    severity = Severity.ERROR if sure else Severity.WARNING
     if known is None:
         source = "; ".join(job.drive.device.absent(needed.pnu, needed.object_type))
-        message = f"drive object {needed.drive_object} has no P{needed.pnu}: {source}"
+        message = f"drive object {needed.drive_object} {has} no P{needed.pnu}: {source}"
         help_ = "the drive would answer error 00h: look for the parameter in its list"
-        return Diagnostic("PG262", message, needed.span, help=help_)
+        return Diagnostic("PG262", message, needed.span, severity, help=help_)
     name = f"{'r' if known.access == 'r' else 'P'}{needed.pnu}"
     shown = f" ({needed.drive.key})" if needed.drive is not None else ""
-    where = f"drive object {needed.drive_object}{shown} {'has' if sure else 'may have'} no {name} ({known.title})"
+    where = f"drive object {needed.drive_object}{shown} {has} no {name} ({known.title})"
     source = f", from which {needed.of} is to take its signal" if needed.of else ""
     message = f"{where}{source}: lists name it for {spoken(known.objects)}"
-    severity = Severity.ERROR if sure else Severity.WARNING
     return Diagnostic("PG262", message, needed.span, severity, help="; ".join(_helps(plan, job, needed)))
 
 
