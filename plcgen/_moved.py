@@ -14,6 +14,7 @@ from types import ModuleType
 MOVED = {
     "plcgen.cpu": "plcgen.s7.cpu",
     "plcgen.diagnostics": "plcgen.base.diagnostics",
+    "plcgen.ds47.kinds.kind": "plcgen.ds47.kind",
     "plcgen.protocols.base": "plcgen.protocol.base",
     "plcgen.protocols.ds47": "plcgen.ds47",
     "plcgen.protocols.ppi": "plcgen.ppi",

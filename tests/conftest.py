@@ -114,7 +114,7 @@ def distribution(
 ) -> Iterator[Callable[[str, str, str, str | Path], None]]:
     """Returns what installs a distribution: a module, as text or as the folder of a package, with an entry point."""
     from plcgen.base.plugins import offered
-    from plcgen.ds47.kinds.registry import kinds
+    from plcgen.ds47.registry import kinds
     from plcgen.ds47.schema import drive_sections
     from plcgen.project.registry import protocols
     from plcgen.project.shape import spec_model

@@ -14,6 +14,7 @@ from plcgen.project.loading import parse_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
 from plcgen.project.rules import apply_rules
+from tests.projects import ROOT
 from tests.work import calls_of
 
 PLC = "plc: {name: a, family: s7-300, toolchain: tia-v16}\n"
@@ -24,11 +25,13 @@ _DECLARED = re.compile(r"^\s*([A-Za-z]\w*)(?: \{InstructionName[^}]*\})?(?: AT \
 def _block_names() -> list[str]:
     """Every name that the templates of a job declare."""
     folder = templates_dir() / "ds47"
-    features = [path.read_text("utf-8") for path in sorted((folder / "features").glob("*.scl.j2"))]
-    constants = (folder / "constants.scl.j2").read_text("utf-8")
-    text = "\n".join([(folder / "job.scl.j2").read_text("utf-8").split("BEGIN")[0], constants, *features])
+    kinds = sorted((ROOT / "plcgen" / "ds47" / "kinds").glob("*/*.scl.j2"))
+    frame = [folder / f"{name}.scl.j2" for name in ("telegrams", "elapsed")]
+    texts = [path.read_text("utf-8") for path in (*frame, *kinds)]
+    text = "\n".join([(folder / "job.scl.j2").read_text("utf-8").split("BEGIN")[0], *texts])
     declared = _DECLARED.findall("\n".join(line.split("//")[0] for line in text.splitlines()))
-    names = set(declared) - {"AUTHOR", "FAMILY", "VERSION"}
+    blocks = "".join(path.read_text("utf-8") for path in (ROOT / "plcgen" / "ds47" / "kinds").glob("*/block.py"))
+    names = {*declared, *re.findall(r'\("([A-Z]+_[A-Z]+)", ', blocks)} - {"AUTHOR", "FAMILY", "VERSION"}
     return sorted(name for name in names if not name.startswith("ACKNOWLEDGE_"))  # beside values that have fixed names
 
 

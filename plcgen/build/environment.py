@@ -63,20 +63,36 @@ def respell_template(source: str, spelling: Spelling) -> str:
 
 _INDENTED = re.compile(r"^( +)(\{% include .*?%\})$", re.MULTILINE)
 _PART = re.compile(r'\{% part (".*?") %\}')
+_ONE_PART = re.compile(r'\{% part (".*?") from (\S+) %\}')
+_TERM = re.compile(r'\{% term (".*?") %\}')
 
 
 def expand_marks(source: str) -> str:
     """Replace what Jinja does not know; no line is added, so that it names the right one in an error.
 
     An indented ``include`` moves what it brings to the right by as much. ``{% part "start" %}`` is the place where each
-    of the view's ``features``, names of templates, is included with this ``part``.
+    of the view's ``parts``, names of templates, is included with this ``part``; ``{% part "result" from job.result %}``
+    of one of them alone; ``{% term "unless" %}`` is the same as ``part`` within a line.
     """
-    source = _PART.sub(r"{% set part = \1 %}{% for feature in features %}{% include feature %}{% endfor %}", source)
+    each = r"{% set part = \1 %}{% for each_part in parts %}{% include each_part %}{% endfor %}"
+    source = _PART.sub(each, _TERM.sub("{% filter joined %}" + each + "{% endfilter %}", source))
+    source = _ONE_PART.sub(r"{% set part = \1 %}{% include \2 %}", source)
     return _INDENTED.sub(r'{% filter moved("\1") %}\2{% endfilter %}', source)
 
 
 def _moved(text: str, space: str) -> str:
     return text and space + re.sub(r"\n(?=.)", "\n" + space, text)
+
+
+def _joined(text: str) -> str:
+    return text.replace("\n", "")
+
+
+class _Environment(jinja2.Environment):
+    def join_path(self, template: str, parent: str) -> str:
+        """A template that lies beside the code includes another one there by its mere name."""
+        package, colon, _ = parent.partition(":")
+        return f"{package}:{template}" if colon and "/" not in template and ":" not in template else template
 
 
 class _Respelled(jinja2.ext.Extension):
@@ -98,12 +114,12 @@ def _beside_protocol(name: str) -> str | None:
 @functools.cache
 def environment(spelling: Spelling = Spelling.TIA) -> jinja2.Environment:
     """Environment for the templates of this package, and ``package:path``; markup and Markdown are escaped."""
-    made = jinja2.Environment(
+    made = _Environment(
         loader=jinja2.ChoiceLoader(
             [jinja2.FunctionLoader(_beside_protocol), jinja2.FileSystemLoader(templates_dir())],
         ),
         undefined=jinja2.StrictUndefined,
-        autoescape=lambda name: name is not None and name.endswith(_MARKUP),  # noqa: S701 - SCL is no markup
+        autoescape=lambda name: name is not None and name.endswith(_MARKUP),
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
@@ -114,6 +130,7 @@ def environment(spelling: Spelling = Spelling.TIA) -> jinja2.Environment:
     made.globals["spelling"] = spelling
     made.filters |= FILTERS
     made.filters |= {
+        "joined": _joined,
         "code": _code,
         "with_bytes": _with_bytes,
         "shown": _shown,

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from plcgen.base.files.printed import Name, Value
 from plcgen.base.files.validation import StrictModel
-from plcgen.ds47.kinds.kind import ReadItem
+from plcgen.ds47.kind import ReadItem
 from plcgen.project.schema import COMMENT, ONE_OR_MORE, Text, short_item
 
 MOST_RECORDS = 1000

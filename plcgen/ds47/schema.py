@@ -17,10 +17,10 @@ from plcgen.base.files.validation import StrictModel, problem
 from plcgen.base.plugins import expect_free
 from plcgen.ds47.device import Parameter, ParameterDef, ParameterNumber
 from plcgen.ds47.devices import named_parameters, offer_names
-from plcgen.ds47.kinds.kind import JobKind, ReadItem, WriteItem
-from plcgen.ds47.kinds.registry import GROUP, kinds
+from plcgen.ds47.kind import JobKind, ReadItem, WriteItem
 from plcgen.ds47.objects import ObjectType
 from plcgen.ds47.recipes import RecipeEntry
+from plcgen.ds47.registry import GROUP, kinds
 from plcgen.ds47.wire.formats import format_names
 from plcgen.project.editor import suggested
 from plcgen.project.schema import (
@@ -228,12 +228,13 @@ class JobEntry(JobSettings, JobTarget):
 
     @model_validator(mode="before")
     @classmethod
-    def _stays_in_ram(cls, given: Any) -> Any:
+    def _without_void(cls, given: Any) -> Any:
         """``save: ram`` beside what is written says that nothing is saved."""
-        if not isinstance(given, dict) or given.get("save") not in ("ram", {"persist": "ram"}):
+        if not isinstance(given, dict):
             return given
-        others = {kind.key for kind in kinds() if kind.writes} - {"save"}
-        return {key: value for key, value in given.items() if key != "save"} if others & given.keys() else given
+        void = {one.key for one in kinds() if one.void is not None and one.void(given.get(one.key))}
+        others = {kind.key for kind in kinds() if kind.writes} - void
+        return {key: value for key, value in given.items() if key not in void} if others & given.keys() else given
 
 
 class DriveSections(StrictModel):

@@ -21,7 +21,9 @@ from tests.projects import ROOT, SPECS, every_type, generated_example
 TEXTS = {path.stem: path.read_text("utf-8") for path in SPECS} | {
     f"every type, {target}": every_type(target) for target in ("v5", "t3", "old")
 }
-SOURCES = [path for path in sorted(templates_dir().rglob("*.j2")) if path.stem.endswith((".scl", ".udt", ".db"))]
+KINDS = ROOT / "plcgen" / "ds47" / "kinds"
+FILES = sorted(path for folder in (templates_dir(), KINDS) for path in folder.rglob("*.j2"))
+SOURCES = [path for path in FILES if path.stem.endswith((".scl", ".udt", ".db"))]
 
 
 def documents(text: str) -> list[Document]:
@@ -52,7 +54,7 @@ def test_tags_come_through_unchanged() -> None:
     )
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=lambda p: p.relative_to(templates_dir()).as_posix())
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: "/".join(p.parts[-2:]))
 def test_a_template_reads_as_scl(path: Path) -> None:
     """Jinja is there for loops, choices and names: no operator, local name or keyword of SCL is made inside a tag."""
     for tag in re.findall(r"\{\{.*?\}\}|\{%.*?%\}", path.read_text("utf-8"), re.DOTALL):
@@ -72,7 +74,7 @@ MARK = re.compile(r"\{\{.*?\}\}|\{%.*?%\}", re.DOTALL)
 JOB = [path for path in SOURCES if "ds47" in path.parts and "engine" not in path.parts]
 
 
-@pytest.mark.parametrize("path", JOB, ids=lambda p: p.relative_to(templates_dir() / "ds47").as_posix())
+@pytest.mark.parametrize("path", JOB, ids=lambda p: "/".join(p.parts[-2:]))
 def test_the_template_of_a_job_does_not_calculate(path: Path) -> None:
     """Views hand over finished numbers and names: in a mark nothing is added, counted or formatted."""
     for mark in MARK.findall(path.read_text("utf-8")):
@@ -100,6 +102,6 @@ def test_the_page_explains_every_condition_and_part() -> None:
     }
     assert {name for name in explained if re.fullmatch(r"job\.\w+", name)} == conditions
     parts = {name for mark in re.findall(r"\{%.*?%\}", text) for name in re.findall(r'part == "(.*?)"', mark)}
-    places = set(re.findall(r'\{% (?:set part =|part) "(.*?)" %\}', text))
+    places = set(re.findall(r'\{% (?:part|term) "(.*?)"', text))
     assert parts == places
     assert parts <= explained

@@ -13,7 +13,7 @@ import pytest
 from plcgen import api
 from plcgen.ds47 import effects, guards
 from plcgen.ds47.devices import device_names, find_device
-from plcgen.ds47.kinds.registry import kinds
+from plcgen.ds47.registry import kinds
 from tests.evidence.effects import FAMILIES, Row, classify, ranges, read_list, report, rules, table
 from tests.yaml_files import read_yaml
 

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.ds47.kinds.registry import SHIPPED
 from plcgen.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.registry import shipped
 from plcgen.project.opening import open_spec
 
 SPEC = """
@@ -61,7 +61,7 @@ def generated(folder: Path, family: str, toolchain: str, key: str) -> dict[str, 
     assert api.generate(folder / "job.yaml", folder / "out").ok
     plan = open_spec(folder / "job.yaml").sound().plan(DrivePlan)
     assert plan is not None
-    assert {job.kind for job in plan.jobs} == {kind.key for kind in SHIPPED}
+    assert {job.kind for job in plan.jobs} == {kind.key for kind in shipped()}
     paths = sorted(
         path for path in (folder / "out").rglob("*") if path.suffix in {".scl", ".udt", ".db", ".xml", ".sdf"}
     )

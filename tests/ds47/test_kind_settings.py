@@ -9,7 +9,7 @@ import jsonschema
 import pytest
 
 from plcgen import api
-from plcgen.ds47.kinds.kind import Wait
+from plcgen.ds47.kind import Wait
 from plcgen.ds47.plan.nouns import DrivePlan
 
 HEAD = "plc: {{name: a, family: s7-1500, toolchain: tia-v19}}\ndrives: {{d: {{device: {device}, hardware_id: 270}}}}\n"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TypeAlias, TypeVar
 
 from plcgen.ds47.device import Parameter
-from plcgen.ds47.kinds.kind import Poll, ReadItem, Wait, WriteItem
+from plcgen.ds47.kind import Poll, ReadItem, Wait, WriteItem
 from plcgen.ds47.wire.formats import Format, FormatKind, unpack_values
 from plcgen.project.spec import SpecPath
 

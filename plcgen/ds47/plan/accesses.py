@@ -6,9 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from plcgen.base.diagnostics import Diagnostic, Report
-from plcgen.ds47.kinds.kind import JobKind, Messages, ReadItem, WriteItem
-from plcgen.ds47.kinds.registry import kind_called, kinds
-from plcgen.ds47.kinds.save import SAVES
+from plcgen.ds47.kind import JobKind, Messages, ReadItem, WriteItem
 from plcgen.ds47.plan.access import Column, Compare, Read, Recount, Role, Use, Write
 from plcgen.ds47.plan.bits import BitResolver, has_bits, in_front
 from plcgen.ds47.plan.readback import read_back, transaction
@@ -16,6 +14,7 @@ from plcgen.ds47.plan.recipes import Recipes
 from plcgen.ds47.plan.steps import resolved_steps
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.ds47.references import number_of
+from plcgen.ds47.registry import kinds
 from plcgen.ds47.schema import DriveSections, ErrorSettings, JobEntry
 from plcgen.project.spec import LoadedSpec, SpecPath
 
@@ -30,7 +29,7 @@ def job_kind(job: JobEntry, key: str, loaded: LoadedSpec, report: Report) -> Job
     if len(given) == 1:
         return given[0]
     saved = [kind for kind in given if kind.writes and kind.poll is None]
-    if len(given) == 2 and len(saved) == 1 and _then(job, saved[0]) is not None:
+    if len(given) == 2 and len(saved) == 1 and kind_behind(job, saved[0]) is not None:
         if job.verify is not None:
             return saved[0]
         message = f'job "{key}" saves what it has not read back'
@@ -44,10 +43,10 @@ def job_kind(job: JobEntry, key: str, loaded: LoadedSpec, report: Report) -> Job
     return None
 
 
-def _then(job: JobEntry, kind: JobKind) -> JobKind | None:
-    """The kind of what a job does behind its own: it saves."""
-    saves = kind_called("save")
-    return saves if kind is not saves and getattr(job, saves.key) is not None else None
+def kind_behind(job: JobEntry, kind: JobKind) -> JobKind | None:
+    """The kind of what a job does behind its own."""
+    behind = (one for one in kinds() if one.follows and one is not kind and getattr(job, one.key) is not None)
+    return next(behind, None)
 
 
 @dataclass(slots=True)
@@ -64,7 +63,7 @@ class Accesses:
     def uses(self, kind: JobKind) -> tuple[Use, ...]:
         """All uses of the job, with those of what it does behind its own; none after a diagnostic."""
         first = self._own(kind, 0)
-        then = _then(self.job, kind)
+        then = kind_behind(self.job, kind)
         return first + self._own(then, len(first)) if then is not None and first else first
 
     def _own(self, kind: JobKind, before: int) -> tuple[Use, ...]:
@@ -79,7 +78,7 @@ class Accesses:
         if not items:
             message = f'job "{self.path[-1]}" names no parameter'
             self.report.add(Diagnostic("PG218", message, self.loaded.span((*self.path, kind.key))))
-        if kind.saves and not self._savable(items[0], place):
+        if items and not self._fits(kind, items[0], place):
             return ()
         if kind.fixed and not self._all_known(kind, items, place):
             return ()
@@ -145,28 +144,19 @@ class Accesses:
         self.report.add(Diagnostic("PG249", message, place, help="read it in another job"))
         return False
 
-    def _savable(self, item: ReadItem | WriteItem, path: SpecPath) -> bool:
-        """Whether the parameter that saves is known with its type, and with its range where it shall save as a setting.
-
-        PG243 if not: no other is taken in its place.
-        """
-        pnu = number_of(item.parameter) or 0
-        known = self.resolver.known.get(pnu) or self.resolver.confirmed(pnu)
-        setting = item.value if isinstance(item, WriteItem) and item.value != 1 else None
-        device, name = self.resolver.device.key, item.parameter
-        if known is not None and known.type and setting is not None and known.maximum is None:
-            message = f"nobody has looked up whether {name} of {device} takes {setting}"
-            help_ = f"if your drive does, define it there: parameters: {{{name}: {{type: {known.type}, max: 12}}}}"
-            self.report.add(Diagnostic("PG243", message, self.loaded.span((*path, "setting")), help=help_))
-            return False
-        if known is not None and known.type:
+    def _fits(self, kind: JobKind, item: ReadItem | WriteItem, path: SpecPath) -> bool:
+        """Whether the parameter of a kind does what the kind is for; PG243 if not: no other is taken in its place."""
+        if kind.unfit is None:
             return True
-        others = [f"save: {word}" for word, pnu in SAVES.items() if pnu in self.resolver.known and f"P{pnu}" != name]
-        if self.resolver.lacks([name], path, "; ".join(others)):
-            return False
-        message = f"{name} is not in the catalogue of {device}: it is not known whether writing it saves anything"
-        define = f"if your drive has it, define it there: parameters: {{{name}: {{type: Unsigned16}}}}"
-        self.report.add(Diagnostic("PG243", message, self.loaded.span(path), help="; ".join((*others, define))))
+        pnu, resolver = number_of(item.parameter) or 0, self.resolver
+        known = resolver.known.get(pnu) or resolver.confirmed(pnu)
+        found = kind.unfit(item, known, resolver.known, resolver.device.key)
+        if found is None:
+            return True
+        if found.key or not resolver.lacks([item.parameter], path, found.instead):
+            help_ = "; ".join(filter(None, (found.instead, found.help)))
+            place = self.loaded.span((*path, found.key) if found.key else path)
+            self.report.add(Diagnostic("PG243", found.message, place, help=help_))
         return False
 
     def _all_known(self, kind: JobKind, items: Items, path: SpecPath) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from plcgen.ds47.kinds.kind import ReadItem, WriteItem
+from plcgen.ds47.kind import ReadItem, WriteItem
 from plcgen.ds47.plan.access import Bit, Mask, Use, Write
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.ds47.references import split_bit

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from plcgen.ds47.kinds.kind import Poll
+from plcgen.ds47.kind import Poll
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DeviationList, DriveCaller, DriveTelegram, MessageList, PlannedUnit
 from plcgen.project.numbering import Numbering

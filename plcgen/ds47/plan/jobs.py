@@ -8,10 +8,10 @@ from itertools import chain, groupby
 
 from plcgen.base.diagnostics import Diagnostic, Note, Report
 from plcgen.ds47 import guards
-from plcgen.ds47.kinds.kind import JobKind, Poll
+from plcgen.ds47.kind import JobKind, Poll
 from plcgen.ds47.plan import pack
 from plcgen.ds47.plan.access import Compare, Part, Recount, Remember, Use
-from plcgen.ds47.plan.accesses import Accesses, job_kind
+from plcgen.ds47.plan.accesses import Accesses, job_kind, kind_behind
 from plcgen.ds47.plan.callers import Callers, footprint
 from plcgen.ds47.plan.fields import request_fields, response_fields
 from plcgen.ds47.plan.nouns import (
@@ -106,6 +106,7 @@ class DriveJobPlanner:
         listed = _listed(job, kind, uses, name, numbering, path)
         size = footprint(uses, telegrams, listed)
         recipe = self._recipe(job, kind, key, uses, first)
+        then = kind_behind(job, kind)
         return tuple(
             DriveJob(
                 key=f"{key}.{drive.key}" if many else key,
@@ -129,6 +130,7 @@ class DriveJobPlanner:
                 listed=listed,
                 clock=_clock(kind, numbering),
                 recipe=recipe,
+                then="" if then is None else then.key,
                 comment=job.comment or {},
                 path=path,
             )

@@ -12,11 +12,10 @@ from functools import cached_property
 
 from plcgen.ds47 import guards
 from plcgen.ds47.device import Device
-from plcgen.ds47.kinds.kind import Messages, Poll, Wait
-from plcgen.ds47.kinds.messages import PLACES
-from plcgen.ds47.kinds.registry import kinds
-from plcgen.ds47.plan.access import Mask, Part, Remember, Use, Verify
+from plcgen.ds47.kind import Messages, Poll, Wait
+from plcgen.ds47.plan.access import Compare, Mask, Part, Recount, Remember, Use, Verify
 from plcgen.ds47.references import number_of
+from plcgen.ds47.registry import kinds
 from plcgen.ds47.schema import DriveSections, DriveSettings, JobEntry
 from plcgen.ds47.words import VARIANTS, Variant
 from plcgen.project.nouns import BlockRef, Buffer, BufferField, Link, Plan, PlannedJob, Telegram
@@ -123,7 +122,7 @@ class MessageList:
     @property
     def places(self) -> int:
         """Elements of the array."""
-        return PLACES * len(self.settings.latest_last)
+        return self.settings.places
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,6 +186,7 @@ class DriveJob(PlannedJob):
     that a change is never sent again without knowing what became of it. ``uses`` are those of the block, as its first
     drive knows the parameters, ``own`` the same accesses as this drive knows them: what it says of access, danger and
     grades. Instances whose drives know them alike have the same ``own``.
+    ``then`` is the kind of what it does behind its own, if any.
     ``clock`` is the type of the time at its input, if it sets a clock.
     """
 
@@ -206,6 +206,7 @@ class DriveJob(PlannedJob):
     listed: MessageList | DeviationList | None = None
     clock: Elementary | None = None
     recipe: PlannedRecipe | None = None
+    then: str = ""
 
     @property
     def drive(self) -> PlannedDrive:
@@ -264,6 +265,16 @@ class DriveJob(PlannedJob):
     def writes(self) -> bool:
         """Whether it changes parameters."""
         return any(use.writes for use in self.uses)
+
+    @property
+    def compares(self) -> bool:
+        """Whether it holds what it reads against what the drive should have."""
+        return any(use.as_(Compare) for use in self.uses)
+
+    @property
+    def rounds(self) -> bool:
+        """Whether all its telegrams are sent again and again."""
+        return any(use.as_(Recount) for use in self.uses)
 
     @property
     def in_steps(self) -> bool:

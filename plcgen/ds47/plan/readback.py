@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from plcgen.ds47.kinds.kind import ReadItem, WriteItem
+from plcgen.ds47.kind import ReadItem, WriteItem
 from plcgen.ds47.plan.access import Remember, Running, Use, Verify
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.ds47.schema import ErrorSettings

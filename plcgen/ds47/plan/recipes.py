@@ -7,14 +7,14 @@ from dataclasses import replace
 
 from plcgen.base.diagnostics import Diagnostic, Report, Severity
 from plcgen.base.diagnostics.suggest import Vocabulary, did_you_mean
-from plcgen.ds47.kinds.kind import ReadItem, WriteItem
-from plcgen.ds47.kinds.registry import kind_called
+from plcgen.ds47.kind import ReadItem, WriteItem
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import PlannedRecipe
 from plcgen.ds47.plan.types import element_type
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.ds47.recipes import RecipeEntry
 from plcgen.ds47.references import parse_reference
+from plcgen.ds47.registry import kind_called
 from plcgen.ds47.schema import DriveSections
 from plcgen.project.numbering import Numbering
 from plcgen.project.spec import LoadedSpec, SpecPath

@@ -9,7 +9,7 @@ from math import inf
 
 from plcgen.base.diagnostics import Diagnostic, Report, Severity
 from plcgen.ds47.device import limit_text
-from plcgen.ds47.kinds.kind import StepItem, Wait, WriteItem
+from plcgen.ds47.kind import StepItem, Wait, WriteItem
 from plcgen.ds47.plan.access import Part, Use
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.ds47.wire.formats import FormatKind, integer_range

@@ -11,7 +11,7 @@ from plcgen.base.diagnostics import Diagnostic, Report, Severity
 from plcgen.base.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.ds47 import guards
 from plcgen.ds47.device import Fact, Parameter, limit_text
-from plcgen.ds47.kinds.kind import ReadItem, WriteItem
+from plcgen.ds47.kind import ReadItem, WriteItem
 from plcgen.ds47.plan.access import Compare, Read, Use, Write
 from plcgen.ds47.plan.nouns import PlannedDrive
 from plcgen.ds47.plan.pack import MAX_TELEGRAMS

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plcgen.ds47.kinds.kind import Poll
+from plcgen.ds47.kind import Poll
 from plcgen.ds47.proof.block_clock import STANDSTILL_MS, BlockClock
 from plcgen.ds47.proof.restored import CAUSE
 from plcgen.ds47.proof.rig import REST, JobRig

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from plcgen.ds47.kinds.kind import Poll
+from plcgen.ds47.kind import Poll
 from plcgen.ds47.plan.access import Verify
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.block_clock import STANDSTILL_MS

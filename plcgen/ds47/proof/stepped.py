@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plcgen.ds47.kinds.kind import Wait
+from plcgen.ds47.kind import Wait
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.ds47.proof.scenario import DriveScenario

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from plcgen.ds47.kinds.kind import Wait
+from plcgen.ds47.kind import Wait
 from plcgen.ds47.plan.access import Part
 from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.ds47.proof.block_clock import STANDSTILL_MS

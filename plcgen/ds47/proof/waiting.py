@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from plcgen.ds47.kinds.kind import Wait
+from plcgen.ds47.kind import Wait
 from plcgen.ds47.proof.block_clock import STANDSTILL_MS, BlockClock
 from plcgen.ds47.proof.rig import JobRig
 from plcgen.ds47.proof.words import STEP_MS, WORDS

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, Severity
 from plcgen.base.diagnostics.counting import shortlist
-from plcgen.ds47.kinds.registry import kind_called
 from plcgen.ds47.plan.values import literals_text
+from plcgen.ds47.registry import kind_called
 from plcgen.ds47.rules.places import given_start, parameter_span
 
 if TYPE_CHECKING:

@@ -11,6 +11,7 @@ from plcgen.base.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.ds47.plan.fields import request_fields, response_fields
 from plcgen.ds47.references import parse_reference
 from plcgen.ds47.rules.places import member_span, parameter_span
+from plcgen.ds47.views.parts import all_parts, parts_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,18 +22,10 @@ if TYPE_CHECKING:
 _OWN = frozenset(
     {
         "execute", "busy", "done", "error", "status", "errors", "errorinfos", "hardwareid", "driveaddress",
-        "driveobject", "slot", "unit", "requestdb", "responsedb", "saves",
-        "save_limit", "save_interval", "save_distance", "save_step", "error_deviates",
-        "failedstep", "failedparameter", "step_limit", "utc", "records",
+        "driveobject", "slot", "unit", "requestdb", "responsedb",
     }
 )  # fmt: skip
-"""Members and constants of job blocks, in lower case."""
-
-_LISTED = frozenset({"deviations", "deviationcount", "equal"})
-"""Members of job blocks that compare."""
-
-_RECORDED = frozenset({"recordnumber", "failedindex"})
-"""Members of job blocks with a recipe."""
+"""Members of every job block, in lower case."""
 
 _PREFIXED = re.compile(r"(?:[Ss]tat|[Tt]emp|[Ii]nst)[A-Z0-9]|(?i:state_|status_)")
 _SHOWN = 8
@@ -55,14 +48,13 @@ def control_members(plan: DrivePlan) -> Iterator[Diagnostic]:
 
 def interface_members(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG406: a value of a job has the name of another value or of a member the block needs itself."""
+    always = _OWN.union(*(part.reserved for part in all_parts()))
     for job in plan.shapes:
+        own = always.union(*(part.members for part in parts_of(job)))
         first: dict[str, Use] = {}
         uses = (one for use in job.uses for one in (use.bits or (use,)))
         for use in uses:
             span = member_span(plan, use)
-            own = _OWN if job.deviations is None else _OWN | _LISTED
-            own = own | {"cause"} if job.restores else own
-            own = own if job.recipe is None else own | _RECORDED
             if use.member.lower() in own or _PREFIXED.match(use.member):
                 yield Diagnostic(
                     "PG406",

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from plcgen.base.diagnostics import Diagnostic
 from plcgen.ds47 import guards
 from plcgen.ds47.kinds.clock import UTC
-from plcgen.ds47.kinds.registry import kind_called
 from plcgen.ds47.plan.access import Verify
+from plcgen.ds47.registry import kind_called
 from plcgen.ds47.rules.places import of_drive, on_any_drive, parameter_span
 
 if TYPE_CHECKING:

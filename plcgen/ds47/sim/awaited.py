@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import operator
 
+from plcgen.ds47.kind import Wait
 from plcgen.ds47.kinds.activate import ACTIVATES
-from plcgen.ds47.kinds.kind import Wait
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.sim.parameters import DriveObject

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 
 from plcgen.ds47.device import Device
 from plcgen.ds47.device import Parameter as CatalogueParameter
+from plcgen.ds47.kind import Poll
 from plcgen.ds47.kinds.acknowledge import ACKNOWLEDGES
-from plcgen.ds47.kinds.kind import Poll
 from plcgen.ds47.kinds.save import SAVES
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DrivePlan, PlannedDrive

@@ -10,6 +10,7 @@ from plcgen.build.nouns import Command, FunctionBlock
 from plcgen.build.simaticml import RECORD_NOTE
 from plcgen.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, PlannedUnit
 from plcgen.ds47.views.engine import engine_names
+from plcgen.ds47.views.parts import parts_of
 from plcgen.ds47.words import RECORD_JOBS
 
 GATE_MEMBER = "driveGate"
@@ -73,8 +74,7 @@ def _job(plan: DrivePlan, job: DriveJob, command: Command) -> dict[str, Any]:
             ("requestDb", f'"{telegram.request.home.name}"'),
             ("responseDb", f'"{telegram.response.home.name}"'),
         ]
-    if job.recipe is not None:
-        own.append(("records", f'"{job.recipe.db.name}".records'))
+    own += [argument for part in parts_of(job) for argument in part.arguments(job)]
     execute, *results = [signal.name for signal in command.signals]
     tia = not plan.target.v5
 

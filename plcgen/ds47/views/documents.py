@@ -7,19 +7,17 @@ from functools import partial
 from typing import Any
 
 from plcgen.build.members import plain
-from plcgen.build.nouns import Contribution, DataBlock, FunctionBlock, GuidePart
+from plcgen.build.nouns import Contribution, DataBlock, FunctionBlock, GuidePart, TypeBlock
 from plcgen.ds47 import guards, hardware
 from plcgen.ds47.effects import UNCLASSIFIED
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedUnit
 from plcgen.ds47.plan.values import literals_text
 from plcgen.ds47.views.calls import CONTROL_TITLES, calls, part
-from plcgen.ds47.views.deviations import deviation_types
 from plcgen.ds47.views.engine import programs as engine_programs
 from plcgen.ds47.views.engine import types
-from plcgen.ds47.views.messages import entry_types
+from plcgen.ds47.views.parts import all_parts
 from plcgen.ds47.views.program import program
-from plcgen.ds47.views.recipes import recipe_data, recipe_types
 
 
 def contribution(plan: DrivePlan) -> Contribution:
@@ -29,10 +27,10 @@ def contribution(plan: DrivePlan) -> Contribution:
     return Contribution(
         family="DS47",
         jobs="drive jobs",
-        types=[*types(plan), *recipe_types(plan), *entry_types(plan), *deviation_types(plan)],
+        types=[*types(plan), *_types(plan)],
         data=[
             *(_unit(plan, unit) for unit in plan.units),
-            *recipe_data(plan),
+            *(one for each in all_parts() for one in each.shared_data(plan)),
             DataBlock(engine.gate_db, "Places for record jobs", (gate,)),
         ],
         programs=_programs(plan),
@@ -42,6 +40,15 @@ def contribution(plan: DrivePlan) -> Contribution:
         manifest=partial(_manifest, plan),
         system_blocks=("SFB52", "SFB53"),
     )
+
+
+def _types(plan: DrivePlan) -> Iterator[TypeBlock]:
+    """What kinds of jobs need for all of them, and for each of them."""
+    for one in all_parts():
+        yield from one.shared_types(plan)
+    for one in all_parts():
+        for job in filter(one.has, plan.shapes):
+            yield from one.types(plan, job)
 
 
 def _unit(plan: DrivePlan, unit: PlannedUnit) -> DataBlock:

@@ -10,36 +10,17 @@ from plcgen.build.control import signals
 from plcgen.build.nouns import CallerValue, Command, FunctionBlock
 from plcgen.build.simaticml import RECORD_NOTE
 from plcgen.build.spelling import clean_title, comment_text, encodable, literal, one_line
-from plcgen.ds47.kinds.kind import Poll, Wait
-from plcgen.ds47.kinds.registry import kind_called
+from plcgen.ds47.kind import Poll, Wait
 from plcgen.ds47.plan.access import Compare, Mask, Part, Recount, Remember, Use, Verify, Write
 from plcgen.ds47.plan.fields import interface_type
 from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram
-from plcgen.ds47.plan.pack import BLOCK_HEADER
 from plcgen.ds47.plan.types import element_type
+from plcgen.ds47.registry import kind_called
 from plcgen.ds47.views.bits import bit_inputs, merges
-from plcgen.ds47.views.clock import clock_view, time_inputs
-from plcgen.ds47.views.deviations import compared_view, deviation_values, deviations_view, right_answer
+from plcgen.ds47.views.conditions import condition_text
 from plcgen.ds47.views.engine import engine_names, versions
-from plcgen.ds47.views.messages import list_values, messages_view
-from plcgen.ds47.views.readback import readback_view, stops
-from plcgen.ds47.views.recipes import recipe_inputs, recipe_values, recipe_view
-from plcgen.ds47.views.restore import cause_value, restore_view
+from plcgen.ds47.views.parts import BlockParts, all_parts, parts_of
 from plcgen.ds47.views.rows import buffer_blocks, interface_row
-from plcgen.ds47.views.steps import condition_text, sequence_view, step_values
-from plcgen.ds47.wire.model import HEADER_SIZE
-from plcgen.ds47.words import (
-    ACKNOWLEDGE_WORDS,
-    CLOCK_WORDS,
-    ERROR_DEVIATES,
-    MESSAGE_WORDS,
-    RECIPE_WORDS,
-    RESTORE_WORDS,
-    SAVE_WORDS,
-    SEQUENCE_WORDS,
-    STATUS_WORDS,
-    VERIFY_WORDS,
-)
 from plcgen.s7.types.data_types import ArrayType, DataType, Elementary
 
 
@@ -71,24 +52,25 @@ def command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
         title=label if job.key == job.shape else f"{label} ({job.drive.key})",
         flags=dict(job.trigger.items()),
         signals=signals(plan),
-        inputs=[
-            *recipe_inputs(plan, job),
-            *(_value(plan, use, start=True) for use in job.inputs),
-            *(CallerValue(row, ()) for row in time_inputs(plan, job)),
-        ],
-        outputs=[
-            *step_values(plan, job),
-            *cause_value(plan, job),
-            *recipe_values(plan, job),
-            *(_value(plan, use, start=False) for use in job.outputs),
-            *_lists(plan, job),
-        ],
+        inputs=_inputs(plan, job),
+        outputs=_outputs(plan, job),
     )
 
 
-def _lists(plan: DrivePlan, job: DriveJob) -> list[CallerValue]:
-    """What the block delivers instead of single values."""
-    return [*list_values(plan, job), *deviation_values(plan, job)]
+def _inputs(plan: DrivePlan, job: DriveJob) -> list[CallerValue]:
+    """Values that the caller supplies."""
+    parts = parts_of(job)
+    first = [one for part in parts for one in part.inputs(plan, job)]
+    last = [CallerValue(row, ()) for part in parts for row in part.last_inputs(plan, job)]
+    return [*first, *(_value(plan, use, start=True) for use in job.inputs), *last]
+
+
+def _outputs(plan: DrivePlan, job: DriveJob) -> list[CallerValue]:
+    """Values that the block delivers."""
+    parts = parts_of(job)
+    first = [one for part in parts for one in part.outputs(plan, job)]
+    last = [one for part in parts for one in part.last_outputs(plan, job)]
+    return [*first, *(_value(plan, use, start=False) for use in job.outputs), *last]
 
 
 def _value(plan: DrivePlan, use: Use, *, start: bool) -> CallerValue:
@@ -102,7 +84,7 @@ def _value(plan: DrivePlan, use: Use, *, start: bool) -> CallerValue:
 def _view(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     return {
         "job": _job(plan, job, label),
-        "features": [_FEATURE.format(name) for name in _features(job)],
+        "parts": [_TELEGRAMS, *(part.template for part in parts_of(job))],
         "names": engine_names(plan),
         "slots": plan.variant.slots,
     }
@@ -111,44 +93,62 @@ def _view(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
 def _job_title(plan: DrivePlan, job: DriveJob) -> str:
     """One-line title of a job."""
     own = kind_called(job.kind).title
-    text = _accesses(job) if own is None else own(getattr(plan.entry(job), job.kind))
+    text = _accesses(plan, job) if own is None else own(getattr(plan.entry(job), job.kind))
     return clean_title(comment_text(job.comment, plan.languages, plan.target, text))
 
 
-def _accesses(job: DriveJob) -> str:
+def _accesses(plan: DrivePlan, job: DriveJob) -> str:
     """What is done with which parameters."""
-    verb = job.kind.capitalize() + (" and read back" if job.verified else "")
+    kind = kind_called(job.kind)
+    verb = (kind.verb or job.kind.capitalize()) + (" and read back" if job.verified else "")
     uses = [use for use in job.uses if not isinstance(use.role, Poll | Verify | Mask)]
     then = ""
     if job.restores:
         uses, then = [use for use in uses if use.writes], ", or restore"
     if job.verified and job.poll is not None:
-        uses, then = uses[:-1], f", then save{then}"
-    labels = shortlist([use.label for use in uses], 4)
-    if job.recipe is not None:
-        verb, labels = verb.replace("_recipe", ""), f"recipe {job.recipe.key}"
-    return f"{verb} {labels}{then}"
+        uses, then = uses[:-1], f", then {job.then}{then}"
+    subject = None if kind.subject is None else kind.subject(getattr(plan.entry(job), job.kind))
+    return f"{verb} {subject or shortlist([use.label for use in uses], 4)}{then}"
+
+
+_TELEGRAMS = "ds47/telegrams.scl.j2"
+"""What every job does; it is in front of the parts of kinds."""
+_RESULTS = (
+    "per parameter: 0 good, 16#80nn error nn, 16#81ff type ff came, 16#FFFF no answer",
+    "second error word, or number of values that came",
+)
 
 
 def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
-    where = plan.target
-    aligned = _aligned(job)
-    features = _features(job)
-    recipe = None if job.recipe is None else recipe_view(plan, job, job.recipe)
-    restore = None if not job.restores else restore_view(plan, job)
+    """What the templates know of a job.
+
+    ``times`` and ``statuses`` are its constants: name, number, text. ``open_end``: the last telegram is known only
+    while it runs; ``counts_plainly``: telegrams are counted as they are sent; ``waits``: the job leaves the unit
+    between two questions; ``fails``: it may fail although every telegram was answered well.
+    """
+    where, parts = plan.target, parts_of(job)
+    aligned = aligned_results(job)
+    views = {part.name: part.view(plan, job) for part in parts}
     comments = [job.comment[lang] for lang in plan.languages if job.comment.get(lang)]
+    texts = next((part.results for part in parts if part.results is not None), _RESULTS)
+    ends = sorted((part.ends, part.template) for part in parts if part.ends)
     return {
+        **dict.fromkeys(part.name for part in all_parts()),
+        **views,
         "block": job.block,
-        "poll": None if job.poll is None else _poll(job),
-        "verify": None if not job.verified else readback_view(job),
-        "restore": restore,
-        "messages": None if job.messages is None else messages_view(plan, job, job.messages),
-        "deviations": None if job.deviations is None else deviations_view(job, job.deviations),
-        "sequence": None if not job.in_steps else sequence_view(plan, job),
-        "clock": clock_view(plan, job),
         "clock_version": versions(plan)["TON_TIME"],
-        "statuses": _statuses(features, recipe, restore),
-        **_behaviour(job, features),
+        "times": [row for part in parts for row in part.times(job)],
+        "statuses": [
+            (name, f"W#16#{value:04X}", text) for part in parts for name, value, text in part.words(views[part.name])
+        ],
+        "result": ends[0][1] if ends else _TELEGRAMS,
+        "waits": job.waits,
+        "open_end": any(part.ends_early(job) for part in parts),
+        "counts_plainly": not any(part.counts(job) for part in parts),
+        "fails": any(part.fails for part in parts),
+        "takes_inputs": not any(part.takes_inputs for part in parts),
+        "errors_text": texts[0],
+        "infos_text": texts[1],
         "pinned": job.pinned,
         "many": len(job.telegrams) > 1,
         "telegram_count": len(job.telegrams),
@@ -160,134 +160,21 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "use_count": len(job.uses),
         "use_numbers": range(1, len(job.uses) + 1),
         "in_a_row": len(job.uses) > _UNROLLED,
-        "recipe": recipe,
         "fills_requests": not job.pinned
-        and job.deviations is None
+        and not job.compares
         and (any(use.bit is None for use in job.supplied) or bool(job.timed)),
-        "inputs": [
-            *(value.member for value in recipe_inputs(plan, job)),
-            *(interface_row(plan, use, start=True) for use in job.inputs),
-            *time_inputs(plan, job),
-        ],
-        "outputs": [
-            *(value.member for value in (*step_values(plan, job), *cause_value(plan, job), *recipe_values(plan, job))),
-            *(interface_row(plan, use, start=False) for use in job.outputs),
-            *(value.member for value in _lists(plan, job)),
-        ],
-        "telegrams": [_telegram(plan, job, telegram, aligned=aligned) for telegram in job.telegrams],
+        "inputs": [value.member for value in _inputs(plan, job)],
+        "outputs": [value.member for value in _outputs(plan, job)],
+        "telegrams": [_telegram(plan, job, telegram, parts, aligned=aligned) for telegram in job.telegrams],
         "input_copies": [
             copy
             for telegram in job.telegrams
             if not job.pinned
-            for copy in _copies(plan, job, telegram, aligned=aligned, response=False)
+            for copy in copies(plan, job, telegram, aligned=aligned, response=False)
         ],
         "bit_inputs": list(bit_inputs(job)),
         "own_writes": _own_writes(plan, job) if job.pinned else [],
     }
-
-
-_WORDS = {
-    "save": SAVE_WORDS,
-    "acknowledge": ACKNOWLEDGE_WORDS,
-    "readback": (("ERROR_DEVIATES", ERROR_DEVIATES, "of a parameter: the drive has another value"), *VERIFY_WORDS),
-    "restore": RESTORE_WORDS,
-    "messages": MESSAGE_WORDS,
-    "clock": CLOCK_WORDS,
-    "recipe": RECIPE_WORDS,
-    "waiting_sequence": SEQUENCE_WORDS,
-}
-"""What only a block with a feature reports."""
-
-
-def _statuses(
-    features: list[str], recipe: dict[str, Any] | None, restore: dict[str, Any] | None
-) -> list[tuple[str, str, str]]:
-    """Constants of a block that it reports: name, literal, text.
-
-    Outside its limits is only a value that is checked; that the drive runs matters only to a block that asks for it.
-    """
-    never = {
-        *(() if recipe is not None and recipe["checks"] else ("STATUS_OUTSIDE",)),
-        *(() if restore is not None and restore["state"] else ("STATUS_RUNS",)),
-    }
-    words = (row for feature in features for row in _WORDS.get(feature, ()))
-    return [(name, f"W#16#{value:04X}", text) for name, value, text in words if name not in never]
-
-
-def _features(job: DriveJob) -> list[str]:
-    """What a job does besides sending and taking: files in ``templates/ds47/features``, in the order they declare."""
-    steps = "waiting_sequence" if job.waits else "sequence"
-    found = {
-        "save": job.poll is not None and job.poll.saves,
-        "acknowledge": job.poll is not None and not job.poll.saves,
-        "readback": job.verified,
-        "restore": job.restores,
-        "messages": job.messages is not None,
-        "compare": job.deviations is not None,
-        "clock": job.clock is not None,
-        "recipe": job.recipe is not None,
-        steps: job.in_steps,
-    }
-    return [name for name, has in found.items() if has]
-
-
-_FEATURE = "ds47/features/{}.scl.j2"
-_RESULTS = ("restore", "save", "acknowledge", "sequence", "waiting_sequence", "messages", "readback", "clock")
-"""Features that say how a job has ended: the first one says it for all."""
-
-
-def _behaviour(job: DriveJob, features: list[str]) -> dict[str, Any]:
-    """What the frame around the features must know.
-
-    ``result``: the template of the one that says how the job has ended, if any does. ``waits``: whether the job leaves
-    the unit between two questions; ``refuses``: whether a start may be refused; ``open_end``: whether the last telegram
-    is known only while it runs; ``goes_on``: whether it saves if what it has written is right, and restores if not;
-    ``fails``: whether it may fail although every telegram was answered well; ``constants``: whether it declares any.
-    """
-    has = set(features).intersection
-    return {
-        "result": next((_FEATURE.format(name) for name in _RESULTS if name in features), ""),
-        "constants": any(name not in {"sequence", "compare"} for name in features),
-        "saves": "save" in features,
-        "waits": "waiting_sequence" in features,
-        "execute": "tempExecute" if "waiting_sequence" in features else "execute",
-        "refuses": bool(has({"save", "clock"})),
-        "open_end": bool(has({"save", "acknowledge", "messages", "restore", "waiting_sequence"})) or stops(job),
-        "goes_on": {"save", "restore"} <= set(features),
-        "fails": bool(has({"save", "acknowledge", "readback", "messages", "sequence", "waiting_sequence"})),
-    }
-
-
-_REFUSED = {"STATUS_WRITE_ERROR", "STATUS_PARAMETER_ERROR", "STATUS_NOT_SUPPORTED"}
-"""Results of a change of one parameter that the drive has not taken."""
-
-
-def _poll(job: DriveJob) -> dict[str, Any]:
-    """What a block needs that repeats its last telegram: times in ms, where the value lies.
-
-    ``asked`` is the number of the telegram that saves or acknowledges, ``before`` that of the one in front of it.
-    """
-    asked, poll = job.telegrams[-1], job.poll
-    assert poll is not None  # noqa: S101 - only a job with one comes here
-    first = HEADER_SIZE + BLOCK_HEADER
-    first_code, last_code = _places(asked, asked.parts[-1])
-    return {
-        "interval": poll.interval,
-        "limit": poll.limit,
-        "distance": poll.distance,
-        "refused": [f"W#16#{value:04X}" for name, value, _ in STATUS_WORDS if name in _REFUSED],
-        "bytes": range(first, first + asked.parts[0].size),
-        "first_code": first_code,
-        "last_code": last_code,
-        "asked": job.telegrams.index(asked),
-        "before": job.telegrams.index(asked) - 1,
-    }
-
-
-def _places(telegram: DriveTelegram, part: Part) -> tuple[int, int]:
-    """First and last byte of the values of a part in a good answer."""
-    field = next(field for field in telegram.response.fields if field.role == "value" and field.part is part)
-    return field.offset, field.offset + part.size - 1
 
 
 def _order(job: DriveJob) -> list[tuple[str, str]]:
@@ -328,19 +215,22 @@ def _single_bool(use: Use) -> bool:
     return use.format.name == "Boolean" and use.count == 1
 
 
-def _aligned(job: DriveJob) -> bool:
+def aligned_results(job: DriveJob) -> bool:
     """Every parameter lies whole in one telegram: its place there and its index in ``errors`` go in step."""
     return sum(len(telegram.parts) for telegram in job.telegrams) == len(job.uses)
 
 
-def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligned: bool) -> dict[str, Any]:
+def _telegram(
+    plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, parts: Sequence[BlockParts], *, aligned: bool
+) -> dict[str, Any]:
+    """What the templates know of a telegram; ``closes``: it is behind the others, and asks what the first one asks."""
     first = telegram.parts[0].use.position
     closes = telegram.parts[0].use.as_(Recount) is not None
     blocks = [_block(index, part) for index, part in enumerate(telegram.parts, 1)]
     return {
-        "writes": telegram.writes,
-        "saves": telegram.writes and telegram.parts[0].use in job.saving,
-        "asks": telegram.parts[0].use.as_(Poll) is not None,
+        **{part.name: part.telegram(plan, job, telegram) for part in parts},
+        "starts": telegram.writes and telegram.parts[0].use in job.saving,
+        "polls": telegram.parts[0].use.as_(Poll) is not None,
         "step": telegram.step,
         "once": "TRUE" if telegram.once else "FALSE",
         "awaited": telegram.awaited,
@@ -349,17 +239,13 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
         "taken": f"{_way(job, telegram)}:" if _way(job, telegram) else "ELSE",
         "built": f"{_built(job, telegram)}:" if _way(job, telegram) else "ELSE",
         "merges": list(merges(job, telegram)),
-        "keeps": not telegram.writes and not closes and job.deviations is None,
-        "wanted": _bytes(right_answer(telegram), v5=plan.target.v5) if job.deviations is not None else "",
-        "compares": None if job.deviations is None else compared_view(job, telegram, job.deviations),
-        "asks_for_inputs": job.deviations is not None
-        and any(part.use.as_(Compare) and not part.use.constant for part in telegram.parts),
+        "keeps": not telegram.writes and not closes and not job.compares,
         "suffix": job.suffix(telegram),
         "request_type": telegram.request.type.name,
         "response_type": telegram.response.type.name,
         "request_length": len(telegram.request.data),
         "request_last": len(telegram.request.data) - 1,
-        "bytes": _bytes(telegram.request.data, v5=plan.target.v5),
+        "bytes": byte_array(telegram.request.data, v5=plan.target.v5),
         "response_last": telegram.response.size - 1,
         "positive_last": min(telegram.positive_length, telegram.response.size) - 1,
         "count": len(telegram.parts),
@@ -367,10 +253,7 @@ def _telegram(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligne
         "use_shift": f" + {first - 1}" if first > 1 else "",
         "blocks": blocks,
         # a question that follows the one in which it was the first expects what is expected already
-        "copies": _copies(plan, job, telegram, aligned=aligned, response=True) if not job.whole else [],
-        "stores": [copy for one in job.telegrams for copy in _copies(plan, job, one, aligned=aligned, response=True)]
-        if job.stores and telegram is job.telegrams[-1]
-        else [],
+        "copies": copies(plan, job, telegram, aligned=aligned, response=True) if not job.whole else [],
         "expects": []
         if telegram.writes or (closes and telegram.number == 2) or telegram is _asked_before(job)
         else blocks,
@@ -384,7 +267,7 @@ ones: in a block that may save instead, what saves is counted behind them."""
 
 def _way(job: DriveJob, telegram: DriveTelegram) -> int:
     """Under which number a block finds what belongs to a telegram; 0 for one that is sent again and again."""
-    if telegram is job.telegrams[-1] and (job.poll is not None or job.messages is not None or job.waits):
+    if telegram is job.telegrams[-1] and (job.poll is not None or job.rounds or job.waits):
         return 0
     return telegram.number + (len(RETURNS) if job.restores and telegram.number >= RETURNS[0] else 0)
 
@@ -401,7 +284,7 @@ def _asked_before(job: DriveJob) -> DriveTelegram | None:
     return job.telegrams[RETURNS[0] - 2] if job.restores else None
 
 
-def _bytes(data: bytes, *, v5: bool) -> str:
+def byte_array(data: bytes, *, v5: bool) -> str:
     """Start value of an array of bytes."""
     values = ", ".join(f"B#16#{byte:02X}" for byte in data)
     return values if v5 else f"[{values}]"
@@ -416,14 +299,14 @@ def _block(index: int, part: Part) -> dict[str, Any]:
     }
 
 
-def _copies(
+def copies(
     plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, aligned: bool, response: bool
 ) -> list[dict[str, Any]]:
     """Moves between the block's interface and the value members of the buffers of a telegram."""
-    copies: list[dict[str, Any]] = []
-    wanted = job.deviations is not None
+    found: list[dict[str, Any]] = []
+    wanted = job.compares
     if telegram.writes == response and not wanted:
-        return copies
+        return found
     view = f"stat{'Wanted' if wanted else 'Response' if response else 'Request'}View{job.suffix(telegram)}"
     blocks = {id(part): number for number, part in enumerate(telegram.parts, 1)}
     for field in telegram.response.fields if response or wanted else telegram.request.fields:
@@ -436,8 +319,8 @@ def _copies(
         if not aligned:
             result = f"unit.errors[{blocks[id(field.part)]}]"
         verifies = field.part.use.as_(Verify) is not None
-        copies.append({**copy, "result": result, "verifies": verifies})
-    return copies
+        found.append({**copy, "result": result, "verifies": verifies})
+    return found
 
 
 _CELLS = {1: ("BYTE", "DBB", "DB"), 2: ("WORD", "DBW", "DW"), 4: ("DWORD", "DBD", "DD")}

@@ -7,7 +7,7 @@ from functools import partial
 from plcgen.build.members import assignments, buffer_member, display_format, initializer, plain
 from plcgen.build.nouns import DataBlock, MemberRow, TypeBlock
 from plcgen.build.spelling import comment_text, declared_type, literal, one_line
-from plcgen.ds47.kinds.kind import Wait
+from plcgen.ds47.kind import Wait
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.fields import interface_type
 from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan

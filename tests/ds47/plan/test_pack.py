@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from plcgen.ds47.device import Parameter
-from plcgen.ds47.kinds.kind import ReadItem
+from plcgen.ds47.kind import ReadItem
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.pack import longest_response, negative_length, pack, positive_length, request_length
 from plcgen.ds47.wire.formats import by_name

@@ -12,8 +12,7 @@ from functools import cached_property
 from types import MappingProxyType
 
 from plcgen.base.diagnostics import Diagnostic
-from plcgen.ds47.kinds.kind import Poll, Wait
-from plcgen.ds47.kinds.registry import kind_called
+from plcgen.ds47.kind import Poll, Wait
 from plcgen.ds47.plan.access import Column, Compare, Mask, Recount, Remember, Use, Verify, Write
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.ds47.proof.wording import guide
@@ -29,6 +28,7 @@ from plcgen.ds47.proof.wording.naming import (
     value_texts,
     waits_for,
 )
+from plcgen.ds47.registry import kind_called
 from plcgen.project.nouns import PlannedJob
 from plcgen.proof.wording.comments import EMPTY
 from plcgen.proof.wording.model import GuideLine, Shown, agrees, held, states

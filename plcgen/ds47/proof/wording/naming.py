@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import re
 
-from plcgen.ds47.kinds.kind import Wait
+from plcgen.ds47.kind import Wait
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.wording.meanings import AskedValue, numbers, subindices

@@ -1,0 +1,1 @@
+"""Jobs that read back what they have written."""

@@ -1,0 +1,1 @@
+"""Jobs that write old values back if they fail."""
