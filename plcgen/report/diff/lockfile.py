@@ -23,6 +23,7 @@ from plcgen.base.files.yaml import YamlNode
 from plcgen.project.registry import protocols
 from plcgen.s7.compare.members import offset_text
 from plcgen.s7.compare.model import (
+    TAG_TABLE,
     BlockState,
     DriveState,
     JobState,
@@ -44,7 +45,7 @@ _DEEPEST = 64
 _SHAPE = frozenset({"PG104", "PG105", "PG106", "PG107"})
 """What is wrong with the shape of any file: of a lock, all of it is one code."""
 _CODE, _HELP = "PG633", "write the lock again: plcgen lock"
-_NO_MEMORY = frozenset({"FC", "OB"})
+_NO_MEMORY = frozenset({"FC", "OB", TAG_TABLE})
 
 
 def reduced(snapshot: Snapshot) -> Snapshot:
@@ -237,7 +238,7 @@ class _Member(StrictModel):
 
 
 class _Block(StrictModel):
-    kind: Literal["DB", "FB", "FC", "OB", "UDT"]
+    kind: Literal["DB", "FB", "FC", "OB", "UDT", "tag table"]
     name: Annotated[Stored, Field(min_length=1)]
     number: Annotated[int, Field(ge=0, le=0xFFFF)] | None = None
     hash: Stored

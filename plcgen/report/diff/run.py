@@ -14,7 +14,7 @@ from plcgen.report.diff.jobs import compare_jobs
 from plcgen.report.diff.lockfile import read_lock, reduced
 from plcgen.report.diff.planned import spec_snapshot
 from plcgen.s7.compare.blocks import compare_blocks
-from plcgen.s7.compare.model import Change, Comparison, Snapshot
+from plcgen.s7.compare.model import TAG_TABLE, Change, Comparison, Snapshot
 from plcgen.s7.compare.policy import Level
 from plcgen.s7.compare.policyfile import load_policy
 from plcgen.s7.compare.states import snapshot_of
@@ -57,7 +57,9 @@ def compare_snapshots(
     if any(not side.blocks and has_errors(side.diagnostics) for side in (old, new)):
         return Comparison(old.label, new.label, (), diagnostics)
     changes = compare_jobs(old, new, policy)
-    blocks = compare_blocks(old.blocks, new.blocks, policy, comments=old.complete and new.complete, classic=classic)
+    specs = old.jobs is not None or new.jobs is not None  # which have no tag tables
+    before, after = ([block for block in side.blocks if not (specs and block.kind == TAG_TABLE)] for side in (old, new))
+    blocks = compare_blocks(before, after, policy, comments=old.complete and new.complete, classic=classic)
     if old.jobs is not None and new.jobs is not None:
         twins = old.mirrored & new.mirrored
         blocks = [c for c in blocks if c.kind not in _DERIVED and not _is_twin(c, twins)]
@@ -105,7 +107,7 @@ def snapshot(paths: Sequence[Path], *, classic: bool = False, keep_going: bool =
 def _read(paths: Sequence[Path], *, classic: bool, keep_going: bool) -> Sources:
     """Read the sources of one side; what would never be compared is an error.
 
-    That is a second declaration of a block, and files in which there is no block at all, tag tables for example.
+    That is a second declaration of a block, and files in which there is neither a block nor a tag table.
     """
     found = read_sources(paths, classic=classic)
     found.diagnostics[:] = [
@@ -113,7 +115,7 @@ def _read(paths: Sequence[Path], *, classic: bool, keep_going: bool) -> Sources:
     ]
     if keep_going:
         _leave_out(found)
-    if not found.blocks and not has_errors(found.diagnostics) and not _is_void(paths):
+    if not (found.blocks or found.tables) and not has_errors(found.diagnostics) and not _is_void(paths):
         found.diagnostics.append(Diagnostic("PG804", "there is no block in these files", Span(str(paths[0]))))
     return found
 

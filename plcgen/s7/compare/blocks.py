@@ -9,11 +9,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from plcgen.base.diagnostics.counting import shortlist
 from plcgen.s7.compare.code import compare_code
 from plcgen.s7.compare.members import MemberComparison, text_change
-from plcgen.s7.compare.model import BlockState, Change, Found, MemberState
+from plcgen.s7.compare.model import TAG_TABLE, BlockState, Change, Found, MemberState
 from plcgen.s7.compare.policy import Level
 from plcgen.s7.types.absent import OF_BLOCKS, optimized
 
-_ORDER = {"DB": 0, "FB": 1, "FC": 2, "OB": 3, "UDT": 4}
+_ORDER = {"DB": 0, "FB": 1, "FC": 2, "OB": 3, "UDT": 4, TAG_TABLE: 5}
 
 
 def compare_blocks(

@@ -8,7 +8,7 @@ from difflib import SequenceMatcher
 
 from plcgen.base.diagnostics import Span
 from plcgen.base.diagnostics.counting import quantity
-from plcgen.s7.compare.model import BlockState, Found, MemberState, path_steps
+from plcgen.s7.compare.model import ADDRESS, BlockState, Found, MemberState, path_steps
 from plcgen.s7.types.absent import OF_MEMBERS
 
 INTERNAL = frozenset(
@@ -156,6 +156,8 @@ class MemberComparison:
             if name == "RETAIN":
                 was, now = was or default, now or default
                 self.add("retain-changed", new, f"{was.lower()} -> {now.lower()}", was, now, before=old.span)
+            elif name == ADDRESS.upper():
+                self.add("tag-address", new, f"{was or '(none)'} -> {now or '(none)'}", was, now, before=old.span)
             elif name in _VISIBLE:
                 was, now = was or default, now or default
                 lost = now == "FALSE"

@@ -19,6 +19,11 @@ _STEP = re.compile(r'(?:"[^"]*"|[^."])+')
 _NAMED = frozenset({"member-added", "member-removed", "member-renamed", "member-spelling", "parameter-required"})
 """Kinds of changes whose message names the member."""
 
+TAG_TABLE = "tag table"
+"""Kind of the state of a tag table."""
+ADDRESS = "address"
+"""Attribute of a tag."""
+
 
 def path_step(name: str) -> str:
     """A name as a step of a path: in quotes if it has what separates or ends steps."""

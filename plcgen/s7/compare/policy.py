@@ -88,6 +88,7 @@ _TABLE = (
     ),
     ChangeKind("local-changed", _C, "temporary variables or constants declared differently", "invisible from outside"),
     ChangeKind("code-changed", _C, "code changed", "the block behaves differently, its interface not"),
+    ChangeKind("tag-address", _B, "address of a tag changed", "what reads or wires the old address no longer meets it"),
     ChangeKind("job-added", _C, "job added", "nothing refers to it yet"),
     ChangeKind("job-removed", _B, "job removed", "its block and its data go away"),
     ChangeKind("telegram-count", _B, "job is sent in another number of telegrams", "buffers and timing differ"),

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.s7.compare.instances import instance_starts
-from plcgen.s7.compare.model import BlockState, MemberState, Snapshot, path_step
+from plcgen.s7.compare.model import ADDRESS, TAG_TABLE, BlockState, MemberState, Snapshot, path_step
 from plcgen.s7.compare.starts import array_start, literal_start, normalized, scalar_start
 from plcgen.s7.layout.image import image
 from plcgen.s7.layout.layout import layout_block
@@ -18,6 +18,7 @@ from plcgen.s7.types.blocks import Block, BlockKind, SectionKind, is_retentive
 from plcgen.s7.types.data_types import Member, NamedType, StructType, innermost
 from plcgen.s7.types.literals import LiteralError
 from plcgen.s7.types.spelling import type_text
+from plcgen.s7.xml.reading.tables import TagTable
 
 _MEMORY = frozenset({BlockKind.DB, BlockKind.UDT, BlockKind.FB})
 _LOCALS = frozenset({SectionKind.TEMP, SectionKind.CONSTANT})
@@ -34,8 +35,27 @@ def snapshot_of(sources: Sources, label: str) -> Snapshot:
         for found in part.blocks:
             state = _State(found, part.types, snapshot.diagnostics).block()
             snapshot.blocks.append(replace(state, name=f"{plc}/{state.name}") if plc else state)
+        for table in part.tables:
+            state = _tags(table)
+            snapshot.blocks.append(replace(state, name=f"{plc}/{state.name}") if plc else state)
     snapshot.blocks.sort(key=lambda block: (block.kind, block.name.upper()))
     return snapshot
+
+
+def _tags(table: TagTable) -> BlockState:
+    """A tag table as a block: tags are members with an address, user constants with a value."""
+    members = [
+        MemberState(
+            tag.name, path_step(tag.name), tag.type, comment=tag.comment, span=tag.span,
+            attributes=((ADDRESS, tag.address.upper()),),
+        )
+        for tag in table.tags
+    ]  # fmt: skip
+    constants = [
+        MemberState(one.name, path_step(one.name), one.type, start=one.value, span=one.span) for one in table.constants
+    ]
+    rows = (*members, *constants)
+    return BlockState(TAG_TABLE, table.name, members=rows, span=rows[0].span if rows else None)
 
 
 class _State:

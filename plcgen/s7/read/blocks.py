@@ -19,6 +19,7 @@ from plcgen.s7.types.blocks import Block, BlockKind, block_title
 from plcgen.s7.xml.datatypes import REMANENCE
 from plcgen.s7.xml.reading.attributes import document_attributes
 from plcgen.s7.xml.reading.source import KEYWORDS, source
+from plcgen.s7.xml.reading.tables import TagTable
 from plcgen.s7.xml.reading.xml import load, parse_xml
 
 STATEMENT_LISTS = frozenset({".awl", ".stl"})
@@ -69,6 +70,7 @@ class Sources:
     types: TypeTable
     diagnostics: list[Diagnostic]
     parts: dict[str, Sources] = field(default_factory=dict)
+    tables: list[TagTable] = field(default_factory=list)
 
 
 def read_sources(paths: Iterable[Path], *, classic: bool = False) -> Sources:
@@ -93,7 +95,8 @@ def read_texts(texts: Iterable[tuple[str, str]]) -> Sources:
 def _sources(files: Files, parsed: Sequence[ParseResult]) -> Sources:
     if files.parts:
         parts = {name: _sources(part, parsed) for name, part in files.parts.items()}
-        return Sources([b for part in parts.values() for b in part.blocks], files.types, files.diagnostics, parts)
+        blocks = [block for part in parts.values() for block in part.blocks]
+        return Sources(blocks, files.types, files.diagnostics, parts, files.tables)
     units = {
         (result.tokens.file, unit.keyword, unit.name.upper()): (unit, result)
         for result in reversed(parsed)
@@ -112,7 +115,7 @@ def _sources(files: Files, parsed: Sequence[ParseResult]) -> Sources:
             found.append(_from_document(block, file, documents[file], files.types))
         else:
             found.append(SourceBlock(block, file))
-    return Sources(found, files.types, files.diagnostics)
+    return Sources(found, files.types, files.diagnostics, tables=files.tables)
 
 
 def _details(path: Path) -> _Details:

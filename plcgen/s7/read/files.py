@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.base.files.files import walk
@@ -19,6 +20,9 @@ from plcgen.s7.scl.parser import ParseResult
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.types.data_types import ELEMENTARY, HARDWARE, ArrayType, StructType, innermost, nested
 from plcgen.s7.types.system import system_block
+
+if TYPE_CHECKING:
+    from plcgen.s7.xml.reading.tables import TagTable
 
 TEXT_SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl"})
 XML_SUFFIXES = frozenset({".xml"})
@@ -67,6 +71,7 @@ class Files:
     diagnostics: list[Diagnostic] = field(default_factory=list)
     modern: bool = False
     parts: dict[str, Files] = field(default_factory=dict)
+    tables: list[TagTable] = field(default_factory=list)
 
 
 def read_files(
@@ -95,6 +100,7 @@ def read_files(
         for name, block in whole.parts[""].types.items() if None in groups and folder is not None else ():
             part.types.setdefault(name, block)
         whole.parts[called[folder]] = part
+        whole.tables += part.tables
         whole.blocks += part.blocks
         whole.diagnostics += part.diagnostics
         whole.modern = whole.modern or part.modern
@@ -128,6 +134,10 @@ def _read_group(files: Sequence[SourceFile], *, classic: bool, keep: Callable[[P
         else:
             blocks, problems = _read(file, {}, classic=classic, keep=keep)
             read += [(block, file) for block in blocks]
+            if file.is_xml and not blocks:
+                tables = _tables(file.path)
+                found.tables += tables
+                problems = [] if tables else problems
         found.diagnostics += problems
     _resolve(read, files, found.diagnostics, classic=classic, keep=keep)
     read = _without_unknown_bounds(read, found.diagnostics)
@@ -142,6 +152,14 @@ def _read_group(files: Sequence[SourceFile], *, classic: bool, keep: Callable[[P
     _add_written_out(found.blocks, found.types)
     found.diagnostics = list(dict.fromkeys([*found.diagnostics, *recursive_types(found.types.values())]))
     return found
+
+
+def _tables(path: Path) -> list[TagTable]:
+    """The tag tables of a document that has no blocks; a table that is damaged is none."""
+    from plcgen.s7.xml.reading.documents import read_tag_table
+
+    tables, problems = read_tag_table(path)
+    return [] if problems else tables
 
 
 def source_files(paths: Iterable[Path], diagnostics: list[Diagnostic]) -> Iterator[SourceFile]:

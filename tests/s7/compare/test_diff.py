@@ -603,3 +603,25 @@ def test_files_without_a_block(tmp_path, text):
     assert {(d.code, d.severity.label) for d in result.diagnostics} == {("PG804", "error")}
     assert not result.readable
     assert not plcgen.lock(tmp_path / "old", out=tmp_path / "x.lock.json").ok
+
+
+def test_a_spec_says_nothing_of_tag_tables(tmp_path):
+    """A generated folder has a tag table, the spec itself none: that is no difference."""
+    result = plcgen.diff([FAQ], [GOLDEN])
+    assert not [change for change in result.changes if change.subject.startswith("tag table")]
+    assert plcgen.diff([GOLDEN], [GOLDEN]).changes == ()
+
+
+def test_a_table_that_came_or_went_is_told(tmp_path):
+    """Tags that the HMI uses may be gone with it."""
+    table = GOLDEN / "xml" / "DriveJobTags.xml"
+    other = tmp_path / "other"
+    other.mkdir()
+    (other / "block.db").write_text('DATA_BLOCK "D" STRUCT a : INT; END_STRUCT; BEGIN END_DATA_BLOCK', "utf-8")
+    both = tmp_path / "both"
+    both.mkdir()
+    shutil.copy(other / "block.db", both)
+    shutil.copy(table, both)
+    came, gone = plcgen.diff([other], [both]), plcgen.diff([both], [other])
+    assert [(c.kind, c.subject) for c in came.changes] == [("block-added", 'tag table "DriveJobTags"')]
+    assert [c.kind for c in gone.changes] == ["block-removed"]
