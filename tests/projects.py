@@ -33,6 +33,25 @@ def generated_example(name: str) -> Path:
     return folder / name
 
 
+def per_block(text: str) -> str:
+    """A spec whose blocks are a file each."""
+    assert "plc: {" in text
+    return text.replace("plc: {", "plc: {sources: per_block, ", 1)
+
+
+@cache
+def per_block_spec(name: str) -> Path:
+    """A shipped spec whose blocks are a file each; its files are in ``out`` beside it."""
+    from plcgen import api
+
+    folder = Path(tempfile.mkdtemp(prefix="plcgen-blocks-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    spec = folder / f"{name}.yaml"
+    spec.write_text(per_block((ROOT / "specs" / f"{name}.yaml").read_text("utf-8")), "utf-8")
+    assert api.generate(spec, folder / "out").ok
+    return spec
+
+
 EVERY_TYPE = """
 plc: {{name: Every type, family: {family}, toolchain: {toolchain}, languages: [en-US, de-DE]}}
 drives:

@@ -73,7 +73,7 @@ def test_a_toy_stands_beside_drives(toy: Path, tmp_path: Path) -> None:
     toy.write_text(toy.read_text("utf-8") + drives + jobs, "utf-8")
     assert api.generate(toy, tmp_path / "out").ok
     assert api.verify(toy, tmp_path / "out", faults="none").ok
-    main = (tmp_path / "out" / "scl" / "Main.scl").read_text("latin-1")
+    main = (tmp_path / "out" / "example" / "Main.scl").read_text("latin-1")
     assert main.index("DriveCalls_DB") < main.index("Red_DB")
 
 

@@ -36,3 +36,5 @@ class Document:
     voice: Callable[[str], str] | None = field(default=None, repr=False)
     data: bytes = b""
     promise: Promise | None = field(default=None, repr=False)
+    group: int = 0
+    """Place of a source among the others: types 1, data blocks 2, function blocks 3, instances 4; else 0."""

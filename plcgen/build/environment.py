@@ -30,11 +30,12 @@ from plcgen.s7.scl.classic import Spelling, respell
 
 @dataclass(frozen=True, slots=True)
 class RenderedFile:
-    """A finished file: relative path with forward slashes, exact bytes, why it is experimental ("" if not)."""
+    """A finished file: relative path with forward slashes, exact bytes, why it is experimental ("" if not), its group."""
 
     path: str
     data: bytes
     experimental: str = ""
+    group: int = 0
 
 
 _MARKUP = (".xml.j2", ".html.j2", ".svg.j2")
@@ -215,7 +216,8 @@ def _finished(document: Document, text: str) -> RenderedFile:
         return RenderedFile(document.path, document.data, document.experimental)
     if document.newline != "\n":
         text = text.replace("\n", document.newline)
-    return RenderedFile(document.path, text.encode(document.encoding, "replace"), document.experimental)
+    data = text.encode(document.encoding, "replace")
+    return RenderedFile(document.path, data, document.experimental, document.group)
 
 
 def render_all(

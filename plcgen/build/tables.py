@@ -8,6 +8,7 @@ from plcgen.base.display.table import Row, csv_table
 from plcgen.base.display.workbook import workbook_bytes
 from plcgen.build.document import Document
 from plcgen.build.nouns import TagRow, WatchRow
+from plcgen.build.one_source import source_path
 from plcgen.build.overview import Overview
 from plcgen.build.sources import SourceWriter
 from plcgen.build.spelling import encodable
@@ -32,7 +33,9 @@ def table_documents(project: Project, seen: Overview, sources: SourceWriter) -> 
     tags = [tag for rows in seen.tags.values() for tag in rows]
     if project.target.v5:
         yield sources.table("symbols.sdf", _symbols(project, seen, tags))
-        yield sources.table("compile.inp", "".join(f"{path.split('/')[1].removesuffix('.scl')}\n" for path in order))
+        if not sources.one:
+            names = (path.split("/")[1].removesuffix(".scl") for path in order)
+            yield sources.table("compile.inp", "".join(f"{name}\n" for name in names))
     elif tags:
         rows = [(tag.name, tag.type, f"%{tag.address}", voice_of(project).say(tag.text)) for tag in tags]
         yield _sheet("tags.csv", ("Name", "Data Type", "Logical Address", "Comment"), rows)
@@ -48,7 +51,9 @@ def table_documents(project: Project, seen: Overview, sources: SourceWriter) -> 
         "tag_table": next(iter(seen.tags), ""),
         "parts": [part for before, _ in guides for part in before],
         "foreign": list(_foreign(project)),
-        "order": [*order, "scl/Main.scl"],
+        "one": source_path(project) if sources.one else "",
+        "main": sources.main_path,
+        "order": [*order, sources.main_path],
         "closing": [part for _, behind in guides for part in behind],
     }
     yield Document("IMPORT.md", "text/import.md.j2", view)

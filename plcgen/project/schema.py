@@ -162,6 +162,9 @@ class Plc(StrictModel):
         ("en-US",), min_length=1, max_length=16, description="comment languages; the first is the main one"
     )
     numbers: Numbers = Field(Numbers(), description="where automatic block numbers start")
+    sources: Literal["one", "per_block"] = Field(
+        "one", description="one text source with every block in order, or a file for each block"
+    )
     user_owned: tuple[Annotated[Printed, Field(min_length=1, max_length=200)], ...] = Field(
         (), max_length=1000, description="blocks or files of the output folder that are yours: never written over"
     )

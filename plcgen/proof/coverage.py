@@ -69,7 +69,7 @@ def cover(
         return Coverage(0, 0, 0, (), (), steps)
     totals: dict[Probe, int] = {}
     for probe, count in zip(program.probes, counts, strict=True):
-        if probe.file == entry.result.tokens.file:
+        if probe.block == entry.name:
             totals[probe] = totals.get(probe, 0) + count
     missing = [probe for probe, count in totals.items() if not count]
     position, tree = entry.result.tokens.position, entry.tree

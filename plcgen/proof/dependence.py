@@ -117,7 +117,7 @@ class _Keys:
 
 
 class _Sources:
-    """The texts of a program, by the names of its blocks; a file of the folder is taken as a whole."""
+    """The texts of a program, by the names of its blocks."""
 
     def __init__(self, program: Program, folder: Path) -> None:
         self.program, self.folder = program, folder
@@ -165,12 +165,10 @@ class _Sources:
         yield sorted(tags.items())
 
     def text(self, name: str) -> tuple[str, str]:
-        """Where a block stands and what stands there: a file of the folder, or the block alone."""
+        """Where a block stands, and its text."""
         entry = self.program.link.blocks[name]
         tokens = entry.result.tokens
-        if self.is_inside(tokens.file):
-            return self.relative(tokens.file), tokens.source
-        return f"{tokens.file} {name}", tokens.source[entry.unit.start : entry.unit.end]
+        return f"{self.relative(tokens.file)} {name}", tokens.source[entry.unit.start : entry.unit.end]
 
     def names(self, name: str) -> frozenset[str]:
         """Names in the text of a block that mean something in the program; those behind a dot are members."""
@@ -187,13 +185,10 @@ class _Sources:
             self._names[key] = frozenset(word for word in words if any(word in names for names in known))
         return self._names[key]
 
-    def is_inside(self, file: str) -> bool:
-        """Whether a file is one of the folder."""
-        return Path(file).is_relative_to(self.folder)
-
     def relative(self, file: str) -> str:
         """Name of a file that does not depend on where the folder lies."""
-        return Path(file).relative_to(self.folder).as_posix() if self.is_inside(file) else file
+        path = Path(file)
+        return path.relative_to(self.folder).as_posix() if path.is_relative_to(self.folder) else file
 
 
 class _Digest:

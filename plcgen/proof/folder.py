@@ -31,6 +31,7 @@ class Folder:
     xml: TypeTable = field(default_factory=TypeTable)
     files: dict[str, Path] = field(default_factory=dict)
     problems: list[Diagnostic] = field(default_factory=list)
+    _pieces: dict[Path, dict[str, str]] = field(default_factory=dict, repr=False)
 
     def place(self, name: str) -> Span:
         """Where a block of the text sources stands."""
@@ -38,6 +39,19 @@ class Folder:
         if block is not None and block.span is not None:
             return block.span
         return Span(str(self.files.get(name.upper(), self.path)))
+
+    def text_of(self, name: str) -> str:
+        """The lines of a block in its source, up to the next block of the same file."""
+        file = self.files[name.upper()]
+        if file not in self._pieces:
+            lines = file.read_text("utf-8-sig", "replace").splitlines(keepends=True)
+            starts = [(self.place(key).line - 1, key) for key, path in self.files.items() if path == file]
+            starts.sort()
+            ends = [*(line for line, _ in starts[1:]), len(lines)]
+            self._pieces[file] = {
+                key: "".join(lines[start:end]) for (start, key), end in zip(starts, ends, strict=True)
+            }
+        return self._pieces[file][name.upper()]
 
     def read(self, file: Path, reader: Callable[[], tuple[Iterable[Block], Iterable[Diagnostic]]]) -> list[Block]:
         """Blocks of a file; what is wrong with it, whatever it is, joins the problems."""

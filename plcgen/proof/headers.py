@@ -43,7 +43,7 @@ def check_headers(project: Project, folder: Folder) -> Iterator[Check]:
             problems += [Diagnostic("PG614", f'{block.kind} "{block.name}": {one}', place) for one in said]
         if blocks is folder.text:
             problems += [
-                one for path in sorted(folder.files.values()) if path.stem not in owned for one in _protected(path)
+                one for name in sorted(folder.files) if not is_owned(name, owned) for one in _protected(folder, name)
             ]
         if blocks is folder.xml:
             problems += [one for path in generated_documents(folder.path) for one in _stated(path)]
@@ -105,11 +105,11 @@ def _members(members: Iterator[Member]) -> Iterator[Member]:
         yield from _members(iter(inner_members(member.type)))
 
 
-def _protected(path: Path) -> Iterator[Diagnostic]:
+def _protected(folder: Folder, name: str) -> Iterator[Diagnostic]:
     """Words of a header that change what a block does and that the model of a block has no place for."""
-    head = _BODY.split(path.read_text("cp1252" if path.suffix == ".scl" else "utf-8", "replace"), maxsplit=1)[0]
+    head = _BODY.split(folder.text_of(name), maxsplit=1)[0]
     for word in dict.fromkeys(_WORDS.findall(head)):
-        yield Diagnostic("PG614", f"the header says {word}", Span(str(path)))
+        yield Diagnostic("PG614", f"the header says {word}", folder.place(name))
 
 
 def _stated(path: Path) -> Iterator[Diagnostic]:

@@ -14,7 +14,7 @@ from plcgen.s7.cpu.program import Program
 class Result:
     """What the runs of one job, or of one procedure, gave; ``broken`` says that not even the nominal run worked.
 
-    ``counts`` are the counters of coverage by file, in the order of its probes; files of which nothing ran are left
+    ``counts`` are the counters of coverage by block, in the order of its probes; blocks of which nothing ran are left
     out. ``made`` is when it was run, if that was not now.
     """
 
@@ -35,17 +35,17 @@ class Result:
 
     def count(self, more: dict[str, list[int]]) -> None:
         """Add counters of coverage."""
-        for file, counts in more.items():
-            known = self.counts.get(file)
-            self.counts[file] = [a + b for a, b in zip(known, counts, strict=True)] if known else counts
+        for source, counts in more.items():
+            known = self.counts.get(source)
+            self.counts[source] = [a + b for a, b in zip(known, counts, strict=True)] if known else counts
 
 
 def counted(program: Program, counts: Sequence[int]) -> dict[str, list[int]]:
-    """Counters by file, of the files of which anything ran."""
+    """Counters by block, of the blocks of which anything ran."""
     found: dict[str, list[int]] = {}
-    for file, begin, end in program.runs() if counts else ():
-        found.setdefault(file, []).extend(counts[begin:end])
-    return {file: own for file, own in found.items() if any(own)}
+    for source, begin, end in program.runs() if counts else ():
+        found.setdefault(source, []).extend(counts[begin:end])
+    return {source: own for source, own in found.items() if any(own)}
 
 
 def added(program: Program, results: Iterable[Result]) -> list[int]:
@@ -55,10 +55,10 @@ def added(program: Program, results: Iterable[Result]) -> list[int]:
         total.count(result.counts)
     counts = [0] * len(program.probes)
     taken = dict.fromkeys(total.counts, 0)
-    for file, begin, end in program.runs():
-        own = total.counts.get(file)
+    for source, begin, end in program.runs():
+        own = total.counts.get(source)
         if own is not None:
-            at = taken[file]
+            at = taken[source]
             counts[begin:end] = own[at : at + end - begin]
-            taken[file] = at + end - begin
+            taken[source] = at + end - begin
     return counts

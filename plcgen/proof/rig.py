@@ -141,11 +141,13 @@ def file_of(program: Program, block: str) -> str:
 
 
 class Source:
-    """The source of a block: its file, and which probes of coverage lie in it, with a few others between them."""
+    """The source of a block: its file, and which probes of coverage are its own, with a few others between them."""
 
     def __init__(self, program: Program, block: BlockRef | str) -> None:
-        self.file = file_of(program, block if isinstance(block, str) else block.name)
-        own = [i for i, probe in enumerate(program.probes) if probe.file == self.file]
+        entry = program.link.find(block if isinstance(block, str) else block.name)
+        self.file = entry.result.tokens.file if entry is not None else ""
+        self.block = entry.name if entry is not None else ""
+        own = [i for i, probe in enumerate(program.probes) if probe.block == self.block]
         self.probes = slice(own[0], own[-1] + 1) if own else slice(0, 0)
 
 

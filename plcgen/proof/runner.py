@@ -258,7 +258,7 @@ class Runner(Generic[S]):
         found = [
             probe
             for probe, count, before in counted
-            if count > before and probe.kind == "statement" and probe.file == rig.source.file
+            if count > before and probe.kind == "statement" and probe.block == rig.source.block
         ]
         margin = min((probe.column for probe in found), default=0)
         inner = [probe for probe in found if probe.column > margin] or found

@@ -7,9 +7,10 @@ import hashlib
 import json
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property, partial
+from pathlib import Path
 
 from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.base.files.files import read_bounded
@@ -76,6 +77,7 @@ class _Tables:
     def __init__(self, project: Project, folder: Folder) -> None:
         self.project, self.folder = project, folder
         self.v5 = project.target.v5
+        self.per_block = project.loaded.spec.plc.sources == "per_block"
         self.numbers = {ref.name: ref.number for ref in project.blocks}
         self.known = set(folder.text)
         self.layouts: dict[str, Layout] = {}
@@ -86,11 +88,15 @@ class _Tables:
         flags = self.wanted()
         if self.v5:
             yield "symbols.sdf", self.symbols
-            yield "compile.inp", partial(self.order, "compile.inp")
+            if self.per_block:
+                yield "compile.inp", partial(self.order, "compile.inp")
         elif flags:
             yield "tags.csv", partial(self.tags, "tags.csv", self.csv_flags)
             yield "tags.xlsx", partial(self.tags, "tags.xlsx", self.xlsx_flags)
-        yield "IMPORT.md", partial(self.order, "IMPORT.md")
+        if self.per_block:
+            yield "IMPORT.md", partial(self.order, "IMPORT.md")
+        for file in dict.fromkeys(self.folder.files.values()):
+            yield file.relative_to(self.folder.path).as_posix(), partial(self.within, file)
         for path in sorted(self.folder.path.glob("watch/*.csv")):
             yield f"watch/{path.name}", partial(self.watch, path.stem)
         if self.project.target.xml_version is not None:
@@ -233,20 +239,25 @@ class _Tables:
         yield from _differences(listed, wanted)
         yield from self.behind(listed)
 
-    def behind(self, names: Iterable[str]) -> Iterator[str]:
-        """Blocks in front of something that they need."""
+    def within(self, file: Path) -> Iterator[str]:
+        """The blocks of a source: each behind what it needs of the others there."""
+        names = [name for name, path in self.folder.files.items() if path == file]
+        names.sort(key=lambda name: self.folder.place(name).line)
+        yield from self.behind(names, set(names))
+
+    def behind(self, names: Iterable[str], among: Set[str] | None = None) -> Iterator[str]:
+        """Blocks in front of something that they need; ``among`` are the blocks that matter, all without it."""
         seen: set[str] = set()
-        for name in names:
-            block = self.folder.text.get(name.upper())
-            path = self.folder.files.get(name.upper())
-            if block is None or path is None:
+        for name in map(str.upper, names):
+            block = self.folder.text.get(name)
+            if block is None or name not in self.folder.files:
                 continue
-            seen.add(name.upper())
-            used = {found.upper() for found in _QUOTED.findall(path.read_text("utf-8-sig", "replace"))}
+            seen.add(name)
+            used = {found.upper() for found in _QUOTED.findall(self.folder.text_of(name))}
             if block.instance_of:
                 used.add(block.instance_of.upper())
-            for one in sorted((used & self.known) - seen):
-                yield f"{name} comes before {self.folder.text[one].name}, which it needs"
+            for one in sorted((used & (self.known if among is None else among)) - seen):
+                yield f"{block.name} comes before {self.folder.text[one].name}, which it needs"
 
     def imports(self) -> Iterator[str]:
         """The steps of the import script: every document once, in an order that compiles."""

@@ -85,7 +85,7 @@ def files(family: str, toolchain: str, folder: Path, monkeypatch: pytest.MonkeyP
     (package / "__init__.py").touch()
     (package / "templates" / "toy.scl.j2").write_text(TEMPLATE)
     monkeypatch.syspath_prepend(str(folder))
-    loaded = SimpleNamespace(spec=SimpleNamespace(model_dump=lambda **_: {}))
+    loaded = SimpleNamespace(spec=SimpleNamespace(plc=SimpleNamespace(sources="per_block"), model_dump=lambda **_: {}))
     frame: tuple[Any, ...] = (cast("Any", loaded), "Toys", target(family, toolchain), ("en-US",))
     blocks = (ref("FB", "Toy", 7), ref("DB", "Toy_DB", 8))
     job = cast("PlannedJob", SimpleNamespace(trigger=PlannedTrigger()))

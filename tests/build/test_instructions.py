@@ -4,7 +4,7 @@ from pathlib import Path
 
 from plcgen import api
 
-SPEC = """plc: {{name: a, family: s7-1500, toolchain: tia-v19{0}}}
+SPEC = """plc: {{name: a, sources: per_block, family: s7-1500, toolchain: tia-v19{0}}}
 drives: {{d: {{device: sinamics-g120, hardware_id: 270}}}}
 jobs: {{j: {{drive: d, read: [r21]}}}}
 """

@@ -15,7 +15,7 @@ from plcgen.build.phrases import translated
 from plcgen.ds47.devices import device_names, find_device
 
 SPEC = """
-plc: {{name: Ramps, family: s7-1500, toolchain: tia-v19, languages: [{languages}]}}
+plc: {{name: Ramps, sources: per_block, family: s7-1500, toolchain: tia-v19, languages: [{languages}]}}
 drives:
   fan: {{device: sinamics-g120, hardware_id: 270}}
 jobs:
@@ -64,7 +64,7 @@ def test_a_project_without_english(tmp_path: Path) -> None:
 
 
 PLANT = """
-plc: {{name: Plant, family: s7-1500, toolchain: tia-v19, languages: [{languages}]}}
+plc: {{name: Plant, sources: per_block, family: s7-1500, toolchain: tia-v19, languages: [{languages}]}}
 drives:
   fan: {{device: sinamics-g120, hardware_id: 270, drive_object: 1}}
   dcm: {{device: sinamics-dcm, hardware_id: 271}}
@@ -131,7 +131,7 @@ def test_languages_that_nobody_translated(tmp_path: Path) -> None:
 
 
 OWN = """
-plc: {{name: Own, family: s7-1500, toolchain: tia-v19, languages: [{languages}]}}
+plc: {{name: Own, sources: per_block, family: s7-1500, toolchain: tia-v19, languages: [{languages}]}}
 drives:
   axis:
     device: sinamics-s120

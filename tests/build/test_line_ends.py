@@ -69,7 +69,7 @@ def test_line_ends_that_changed_all_the_same_change_nothing(clone: Path) -> None
 
 def test_another_change_is_still_seen(clone: Path) -> None:
     """CRLF and one other byte: stale, and never overwritten without --force."""
-    source = clone / "job_generated" / "scl" / "Main.scl"
+    source = clone / "job_generated" / "example" / "Main.scl"
     source.write_bytes(source.read_bytes().replace(b"\n", b"\r\n").replace(b"Example", b"example", 1))
     assert "Example" in api.generate(clone / "job.yaml", check_only=True).diff
     assert [d.code for d in api.generate(clone / "job.yaml").diagnostics if d.severity.label == "error"] == ["PG502"]

@@ -385,7 +385,7 @@ def test_what_is_the_users_own_is_left_alone(tmp_path: Path) -> None:
     text = FAQ.read_text("utf-8")
     spec.write_text(text.replace("names: faq,", "names: faq, user_owned: [Main, notes.md],"), "utf-8")
     assert api.generate(spec, out).ok
-    main = out / "scl/Main.scl"
+    main = out / "example/Main.scl"
     main.write_text(main.read_text("utf-8").replace("An example: if", "Mine: if"), "utf-8")
     (out / "notes.md").write_text("mine")
     mine = main.read_bytes()
@@ -394,8 +394,8 @@ def test_what_is_the_users_own_is_left_alone(tmp_path: Path) -> None:
     assert api.generate(spec, out, check_only=True).ok
     found = api.verify(spec, out, faults="none")
     assert found.ok, [check.verdict for check in found.checks()]
-    assert next(check.text for check in found.checks() if check.id == "files.owned") == "notes.md, scl/Main.scl"
-    (out / "scl/more.scl").write_text("// not mine")
+    assert next(check.text for check in found.checks() if check.id == "files.owned") == "example/Main.scl, notes.md"
+    (out / "more.scl").write_text("// not mine")
     codes = {check.diagnostic.code for check in api.verify(spec, out, faults="none").checks() if check.diagnostic}
     assert "PG613" in codes
 
@@ -406,7 +406,7 @@ def test_the_way_to_keep_a_change_is_told_and_works(tmp_path: Path) -> None:
     text = FAQ.read_text("utf-8")
     spec.write_text(text, "utf-8")
     assert api.generate(spec, out).ok
-    main = out / "scl/Main.scl"
+    main = out / "example/Main.scl"
     main.write_text(main.read_text("utf-8").replace("An example: if", "Mine: if"), "utf-8")
     refused = next(one for one in api.generate(spec, out).diagnostics if one.code == "PG502")
     files = next(check for check in api.verify(spec, out, faults="none").checks() if check.id == "files.manifest")

@@ -334,7 +334,7 @@ def test_verify_for_real(plcgen, good):
     assert after.code == 0
     assert 'DB3 "ReadIt_Request"' in after.out
     assert json.loads(plcgen("verify", good, "--format", "json").out)["ok"] is True
-    (source,) = Path(good).parent.glob("*_generated/scl/ReadIt.scl")
+    (source,) = Path(good).parent.glob("*_generated/*.scl")
     source.write_text(f"x{source.read_text('utf-8')}", "utf-8")
     whole, short = plcgen("verify", good), plcgen("verify", good, "-q")
     assert ("\nRests on\n" in whole.out, "\nRests on\n" in short.out) == (True, False)

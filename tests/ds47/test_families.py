@@ -16,7 +16,7 @@ from plcgen.ds47.registry import shipped
 from plcgen.project.opening import open_spec
 
 SPEC = """
-plc: {{name: Plant, family: {family}, toolchain: {toolchain}}}
+plc: {{name: Plant, sources: per_block, family: {family}, toolchain: {toolchain}}}
 units:
   cu1:
     device: sinamics-s120

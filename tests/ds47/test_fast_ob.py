@@ -11,7 +11,7 @@ from plcgen import api
 from plcgen.ds47.sim.load import load_drive
 from plcgen.s7.cpu.testing import load_scl
 
-SPEC = """plc: {name: Pump station, family: s7-1500, toolchain: tia-v19}
+SPEC = """plc: {name: Pump station, sources: per_block, family: s7-1500, toolchain: tia-v19}
 drives:
   pump: {device: sinamics-g120, hardware_id: 270}
 jobs:

@@ -25,10 +25,9 @@ def _lines(text: str) -> list[str]:
 
 
 @pytest.fixture(scope="module", params=["s7-300_plant_v5", "s7-1200_plant", "s7-1500_plant"])
-def sources(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+def sources(request: pytest.FixtureRequest) -> dict[str, str]:
     """Text of every code block, by name; the spec as key ""."""
-    out = tmp_path_factory.mktemp("plant") / "out"
-    api.generate(ROOT / "specs" / f"{request.param}.yaml", out)
+    out = per_block_spec(request.param).with_name("out")
     found = {"": request.param}
     for file in (out / "scl").glob("*.scl"):
         text = decode_source(file.read_bytes(), file.name)

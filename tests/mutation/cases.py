@@ -23,6 +23,7 @@ from plcgen.s7.scl.dialect import Dialect
 from tests.mutation.engine import ENGINE, FILES
 from tests.mutation.known import KNOWN
 from tests.mutation.operators import Mutant, dropped, swapped, tokens
+from tests.projects import per_block_spec
 
 ROOT = Path(__file__).resolve().parents[2]
 PPI = tuple(sorted(path.stem for path in (ROOT / "tests" / "mutation" / "specs").glob("*.yaml")))
@@ -56,8 +57,8 @@ _projects: dict[str, Project] = {}
 
 
 def path_of(spec: str) -> Path:
-    """File of a shipped spec, or of one that is only damaged here."""
-    return ROOT / ("tests/mutation/specs" if spec in PPI else "specs") / f"{spec}.yaml"
+    """A shipped spec, or one that is only damaged here; its blocks are a file each."""
+    return ROOT / "tests" / "mutation" / "specs" / f"{spec}.yaml" if spec in PPI else per_block_spec(spec)
 
 
 def project_of(spec: str) -> Project:

@@ -16,7 +16,7 @@ from plcgen.proof.folder import Folder
 from plcgen.proof.versions import check_versions
 
 SPEC = """
-plc: {name: a, family: s7-1500, toolchain: tia-v19}
+plc: {name: a, sources: per_block, family: s7-1500, toolchain: tia-v19}
 drives:
   axis: {device: sinamics-s120, hardware_id: 281, drive_object: 3}
   belt: {device: sinamics-dcm, hardware_id: 290}

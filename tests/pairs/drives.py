@@ -35,11 +35,12 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     "times": ("default", "short", "no retries", "many retries", "long"),
     "comment": ("none", "text", "languages", "marks"),
     "key": ("short", "usual", "long", "digits"),
+    "sources": ("one", "per_block"),
 }  # fmt: skip
 BASE: Row = {
     "toolchain": "tia-v19", "family": "s7-1500", "device": "sinamics-s120", "kind": "read", "type": "FloatingPoint",
     "languages": "en", "names": "style", "trigger": "member", "buffers": "instance", "drives": "one", "index": "none",
-    "times": "default", "comment": "none", "key": "usual",
+    "times": "default", "comment": "none", "key": "usual", "sources": "one",
 }  # fmt: skip
 TRIPLES = (("family", "kind", "languages"),)
 LANGUAGES = {
@@ -156,5 +157,6 @@ def spec(row: Row) -> dict[str, Any]:
         "toolchain": row["toolchain"],
         "languages": LANGUAGES[row["languages"]],
     }
+    plc |= {"sources": "per_block"} if row["sources"] != "one" else {}
     plc |= {"names": "faq"} if row["names"] == "faq" else {}
     return {"plc": plc, **sections, "jobs": jobs}

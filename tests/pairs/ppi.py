@@ -24,11 +24,13 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     "key": tuple(KEYS),
     "baud": ("9600", "19200"),
     "beside": ("none", "read", "split", "alike"),
+    "sources": ("one", "per_block"),
 }  # fmt: skip
 FAMILY = {"cm1241": "s7-1200", "cb1241": "s7-1200", "ptp-1200": "s7-1200", "ptp-1500": "s7-1500", "cp341": "s7-300"}
 BASE: Row = {
     "toolchain": "tia-v19", "module": "cm1241", "kind": "read", "items": "one", "stations": "one", "cycle": "none",
     "trigger": "member", "languages": "en", "comment": "none", "key": "usual", "baud": "9600", "beside": "none",
+    "sources": "one",
 }  # fmt: skip
 ITEMS: dict[str, dict[str, Any]] = {
     "one": {"VW100": 7}, "mixed": {"VW100": 7, "VB200": 1, "VD300": 100000, "MB4": 3}, "bits": {"M0.0": 1, "V10.7": 0},
@@ -74,4 +76,5 @@ def spec(row: Row) -> dict[str, Any]:
     port = {"address": 256} if module == "cp341" else {"port": 270}
     line = {"module": module, **port, "baud": int(row["baud"]), "stations": stations, "jobs": jobs}
     plc = {"name": "Pairs", "family": FAMILY[row["module"]], "toolchain": row["toolchain"]}
+    plc |= {"sources": "per_block"} if row["sources"] != "one" else {}
     return {"plc": {**plc, "languages": LANGUAGES[row["languages"]]}, "ppi": {"line": line}}

@@ -113,7 +113,7 @@ def test_channels_are_numbered_among_the_units_that_have_jobs(tmp_path: Path) ->
     path = tmp_path / "spec.yaml"
     path.write_text(yaml.safe_dump(SPECS["drives without jobs in front of the one that has some"]), "utf-8")
     assert api.generate(path, tmp_path / "out").ok
-    (calls,) = (file.read_text("utf-8-sig") for file in tmp_path.rglob("DriveCalls.scl"))
+    (calls,) = (file.read_text("utf-8-sig") for file in tmp_path.glob("out/*.scl"))
     assert "channels := 1," in calls
     assert "gate.channels[1]" in calls
     assert "gate.channels[3]" not in calls
@@ -124,7 +124,7 @@ def test_start_values_of_arrays_are_declared_whatever_they_are(tmp_path: Path) -
     path = tmp_path / "spec.yaml"
     path.write_text(yaml.safe_dump(SPECS["start values of arrays whose elements differ"]), "utf-8")
     assert api.generate(path, tmp_path / "out").ok
-    text = (tmp_path / "out" / "scl" / "J.scl").read_text("utf-8-sig")
+    (text,) = (file.read_text("utf-8-sig") for file in tmp_path.glob("out/*.scl"))
     assert "Array[0..7] of Byte := [16#71, 16#C3, 16#A9, 16#8D, 16#CD, 16#FA, 16#A7, 16#0F];" in text
     assert "Array[0..3] of Int := [2(5), 0, 6];" in text
     assert "Array[1..3] of Byte := [16#01, 16#02, 16#03];" in text

@@ -32,7 +32,7 @@ def spec(folder: Path, toolchain: str) -> Path:
     path = folder / "job.yaml"
     path.write_text(
         f"""
-plc: {{name: a, family: {family}, toolchain: {toolchain}}}
+plc: {{name: a, sources: per_block, family: {family}, toolchain: {toolchain}}}
 drives: {{d: {{device: sinamics-g120, {where}}}}}
 jobs:
   set_ramps:

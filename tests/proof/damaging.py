@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,10 +14,30 @@ from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.delivery import delivered
 from plcgen.proof.folder import read_folder
 from plcgen.proof.layouts import check_layout
-from tests.projects import ROOT
+from tests.projects import ROOT, per_block_spec
 
 Edit = tuple[str, str, str]
-"""File, what stands there, what stands there instead."""
+"""File, what stands there, what stands there instead; a block of the one source as if it were a file."""
+FOLDERS = {"udt": "TYPE", "db": "DATA_BLOCK", "scl": "FUNCTION_BLOCK"}
+
+
+def place(folder: Path, name: str) -> tuple[str, str]:
+    """The file in which something lies, and which block of it is meant, if it has several."""
+    room, _, file = name.partition("/")
+    if (folder / name).is_file() or room not in FOLDERS:
+        return name, ""
+    if name == "scl/Main.scl":
+        return "example/Main.scl", ""
+    (source,) = folder.glob("*.scl")
+    return source.name, rf'^{FOLDERS[room]} "{Path(file).stem}".*?^END_{FOLDERS[room]}'
+
+
+def edited(text: str, block: str, old: str, new: str) -> str:
+    """A text whose first occurrence, or that in a block, is replaced."""
+    found = re.search(block, text, re.DOTALL | re.MULTILINE) if block else None
+    start, end = found.span() if found else (0, len(text))
+    assert old in text[start:end], f"{block}: {old}"
+    return text[:start] + text[start:end].replace(old, new, 1) + text[end:]
 
 
 def signed(folder: Path, files: Sequence[str]) -> None:
@@ -32,26 +53,32 @@ def signed(folder: Path, files: Sequence[str]) -> None:
 @contextmanager
 def damaged(folder: Path, edits: Sequence[Edit], encoding: str) -> Iterator[None]:
     """The folder with the first occurrence of each text changed, and hashes that hide it; afterwards as it was."""
-    before = {name: (folder / name).read_bytes() for name in {"manifest.json", *(name for name, _, _ in edits)}}
+    places = [(*place(folder, name), old, new) for name, old, new in edits]
+    before = {name: (folder / name).read_bytes() for name in {"manifest.json", *(name for name, *_ in places)}}
     try:
-        for name, old, new in edits:
+        for name, block, old, new in places:
             own = encoding if name.endswith((".scl", ".sdf", ".inp")) else "utf-8"
             text = (folder / name).read_bytes().decode(own)
             crlf = "\r\n" in text
             text = text.replace("\r\n", "\n")
-            assert old in text, f"{name}: {old}"
-            text = text.replace(old, new, 1)
+            text = edited(text, block, old, new)
             (folder / name).write_bytes((text.replace("\n", "\r\n") if crlf else text).encode(own))
-        signed(folder, [name for name, _, _ in edits if name != "manifest.json"])
+        signed(folder, [name for name, *_ in places if name != "manifest.json"])
         yield
     finally:
         for name, data in before.items():
             (folder / name).write_bytes(data)
 
 
+def spec_of(example: str) -> Path:
+    """The spec of an example; ``/blocks`` behind its name: a file for each block."""
+    name, _, blocks = example.partition("/")
+    return per_block_spec(name) if blocks else ROOT / "specs" / f"{name}.yaml"
+
+
 def findings(example: str, folder: Path) -> list[Check]:
     """Errors of everything that reads the files without running them."""
-    project = open_spec(ROOT / "specs" / f"{example}.yaml").sound()
+    project = open_spec(spec_of(example)).sound()
     files = read_folder(folder, project.target)
     proofs = [plan.protocol.proof(plan) for plan in project.plans]
     checks = [*delivered(project, files)]

@@ -26,7 +26,7 @@ from plcgen.proof.rig import ProgramBench
 from plcgen.proof.scenario import Failure
 
 SPEC = """
-plc: {name: Plant, family: s7-1500, toolchain: tia-v19}
+plc: {name: Plant, sources: per_block, family: s7-1500, toolchain: tia-v19}
 drives:
   one: {device: sinamics-g120, hardware_id: 270}
 jobs:

@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from tests.projects import ROOT, generated_example
-from tests.proof.damaging import damaged, findings
+from tests.projects import generated_example
+from tests.proof.damaging import damaged, findings, spec_of
 
 TIA, NEW, V5 = "s7-300_6ra80_dp_tia", "s7-1500_g120_pn", "s7-300_mm440_dp"
+BLOCKS = f"{V5}/blocks"
 MAIN_TEXT, JOB = "scl/Main.scl", "scl/SetRamps.scl"
 # what: (example, file, what stands there, what stands there instead)
 CORPUS: dict[str, tuple[str, str, str, str]] = {}
@@ -151,21 +152,29 @@ for name, old, new in (
     ("a source that is none", "DriveGate\n", "DriveGates\n"),
     ("with Main", "DriveCalls_DB\n", "DriveCalls_DB\nMain\n"),
 ):
-    damage(f"compile.inp: {name}", V5, "compile.inp", old, new)
+    damage(f"compile.inp: {name}", BLOCKS, "compile.inp", old, new)
 for name, old, new in (
     ("another value", "| 11.0 |", "| 12.0 |"),
     ("another parameter", "| P1120 |", "| P1121 |"),
     ("another drive", "| mm440 | P1121", "| mm441 | P1121"),
     ("another block", "| WriteParams | mm440 | P1120", "| ReadParams | mm440 | P1120"),
     ("an input instead of a constant", "| 22.0 |", "| input, 22.0 if nothing is connected |"),
+    ("another source", "`S7-300_MM440_DP.scl`", "`S7-300_MM440.scl`"),
+):
+    damage(f"IMPORT.md: {name}", V5, "IMPORT.md", old, new)
+for name, old, new in (
     (
         "two sources exchanged",
         "3. `udt/typeDriveAsk.scl`\n4. `udt/typeDriveUnit.scl`",
         "3. `udt/typeDriveUnit.scl`\n4. `udt/typeDriveAsk.scl`",
     ),
     ("a source is missing", "15. `scl/DriveGate.scl`\n", ""),
+    ("a source in another folder", "`scl/DriveGate.scl`", "`db/DriveGate.scl`"),
+    ("a number of the order", "15. `scl/DriveGate.scl`", "51. `scl/DriveGate.scl`"),
+    ("a sentence in front of the order", "\n## Order", "\nThe drive has 5 parameters.\n\n## Order"),
+    ("with Main", "without `Main`", "with `Main`"),
 ):
-    damage(f"IMPORT.md: {name}", V5, "IMPORT.md", old, new)
+    damage(f"IMPORT.md, a file for each block: {name}", BLOCKS, "IMPORT.md", old, new)
 for name, old, new in (
     ("another offset", "| 6 | DB3.DBW6 | Para_No", "| 7 | DB3.DBW6 | Para_No"),
     ("another address", "DB3.DBW6", "DB3.DBW8"),
@@ -199,10 +208,11 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("delivered")
     for name in (TIA, NEW, V5):
         shutil.copytree(generated_example(name), root / name)
+    shutil.copytree(spec_of(BLOCKS).with_name("out"), root / BLOCKS)
     return root
 
 
-@pytest.mark.parametrize("example", [TIA, NEW, V5])
+@pytest.mark.parametrize("example", [TIA, NEW, V5, BLOCKS])
 def test_nothing_is_wrong_without_damage(example: str, folders: Path) -> None:
     """The examples as they are generated."""
     assert findings(example, folders / example) == []
@@ -213,7 +223,7 @@ def test_damage_is_noticed(what: str, folders: Path) -> None:
     """By what is written in the files: their hashes are right. What only running shows is run."""
     example, file, old, new = CORPUS[what]
     folder = folders / example
-    with damaged(folder, [(file, old, new)], "cp1252" if example == V5 else "utf-8"):
+    with damaged(folder, [(file, old, new)], "cp1252" if example.startswith(V5) else "utf-8"):
         if not findings(example, folder):
-            result = api.verify(ROOT / "specs" / f"{example}.yaml", folder, faults="none")
+            result = api.verify(spec_of(example), folder, faults="none")
             assert not result.ok

@@ -53,7 +53,7 @@ SMALL = """
 
 def spec_of(target: str, body: str = BODY) -> str:
     family, toolchain, module, port = HEADS[target]
-    head = f"plc: {{name: t, family: {family}, toolchain: {toolchain}}}"
+    head = f"plc: {{name: t, sources: per_block, family: {family}, toolchain: {toolchain}}}"
     return f"{head}\nppi:\n  m:\n    module: {module}\n    {port}{body}"
 
 

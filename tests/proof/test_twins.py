@@ -13,9 +13,10 @@ from plcgen.proof.folder import read_folder
 from plcgen.proof.twins import difference
 from plcgen.s7.read.text import read_source
 from plcgen.s7.xml.reading.documents import read_simaticml
-from tests.projects import FAQ, generated_example
+from tests.projects import per_block_spec
 
-EXAMPLE = generated_example(FAQ.stem)
+FAQ = per_block_spec("s7-300_6ra80_dp_tia")
+EXAMPLE = FAQ.with_name("out")
 
 
 def pair(name: str, change: tuple[str, str] | None = None):

@@ -19,9 +19,10 @@ from plcgen.project.nouns import Plan
 from plcgen.proof.checks import Check, Outcome, Verification
 from plcgen.proof.folder import Folder, read_folder
 from plcgen.proof.layouts import check_layout
-from tests.projects import FAQ, MM4, SPECS, generated_example
+from tests.projects import MM4, SPECS, generated_example, per_block_spec
 
-GOLDEN = generated_example(FAQ.stem)
+FAQ = per_block_spec("s7-300_6ra80_dp_tia")
+GOLDEN = FAQ.with_name("out")
 
 
 def edit(path: Path, old: str, new: str) -> None:

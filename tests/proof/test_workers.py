@@ -23,7 +23,7 @@ from plcgen import api
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.proof.checks import Outcome
 from plcgen.proof.sharing import Sharing
-from tests.projects import FAQ, ROOT
+from tests.projects import FAQ, ROOT, per_block
 
 
 def shared_out(task: Any, total: int, progress: Any = None, workers: int | None = None) -> Sequence[Any]:
@@ -106,7 +106,7 @@ def test_two_threads_get_their_own_results() -> None:
 def test_two_threads_verify_two_projects(tmp_path: Path) -> None:
     """A good project is good and a damaged one is not, whoever else is verified meanwhile."""
     spec = tmp_path / "job.yaml"
-    spec.write_text(FAQ.read_text("utf-8").partition("  write_ramp_down:")[0], "utf-8")
+    spec.write_text(per_block(FAQ.read_text("utf-8")).partition("  write_ramp_down:")[0], "utf-8")
     for name in ("good", "damaged"):
         assert api.generate(spec, tmp_path / name).ok
     source = tmp_path / "damaged/scl/ReadRampUp.scl"

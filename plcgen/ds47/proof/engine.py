@@ -123,7 +123,7 @@ class DriveEngine:
         for kind, spelled in zip(tokens.kinds, tokens.texts, strict=True):
             plain = spelled.strip('"').upper()
             unit.append(roles.get(plain, kind if kind in KEYWORDS else spelled))
-            if kind in {"END_FUNCTION_BLOCK", "END_TYPE"}:
+            if kind in {"END_FUNCTION_BLOCK", "END_TYPE", "END_DATA_BLOCK"}:
                 if any(word in roles.values() for word in unit[:2]):
                     yield unit
                 unit = []

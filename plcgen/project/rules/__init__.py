@@ -26,6 +26,7 @@ RULES: tuple[Callable[[Project], Iterator[Diagnostic]], ...] = (
     names.check_names,
     names.lookalikes,
     names.block_names,
+    names.owned_sources,
     names.encoding_of_names,
     names.encoding_of_comments,
 )

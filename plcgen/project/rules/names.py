@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from functools import partial
+from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, Note, Severity
@@ -67,6 +68,18 @@ def block_names(project: Project) -> Iterator[Diagnostic]:
             help="rename one of them: letter case makes no difference",
             notes=(Note(f"first use: {name}", place),) if place else (),
         )
+
+
+def owned_sources(project: Project) -> Iterator[Diagnostic]:
+    """PG512: a block is the user's own, and a part of the one source that plcgen writes."""
+    plc = project.loaded.spec.plc
+    names = {block.name for block in project.blocks} if plc.sources == "one" else ()
+    for number, owned in enumerate(plc.user_owned):
+        folder, _, name = owned.rpartition("/")
+        if folder in {"", "udt", "db", "scl"} and PurePosixPath(name).stem in names:
+            message = f'"{owned}" is yours, and a part of the one source that generate writes'
+            span = key_or_value(project, ("plc", "user_owned", number))
+            yield Diagnostic("PG512", message, span, help="write plc: {sources: per_block}: one file for each block")
 
 
 def _taken(project: Project) -> Iterator[tuple[str, str, Span | None]]:

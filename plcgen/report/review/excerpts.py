@@ -10,58 +10,62 @@ from plcgen.base.files.files import read_bounded
 from plcgen.build.sheet import ExchangeSheet, Message
 from plcgen.report.review.model import Excerpt, SourceLine
 from plcgen.s7.read.generated import generated_sources
-from plcgen.s7.read.text import decode_source
+from plcgen.s7.read.text import MAX_BYTES, decode_source
 
-_MAX_SOURCE = 2 * 1024 * 1024
+_HEAD = re.compile(r'\s*(?:TYPE|DATA_BLOCK|FUNCTION_BLOCK|FUNCTION|ORGANIZATION_BLOCK)\s+"?([^"\s:]+)"?', re.IGNORECASE)
 _MEMBER = re.compile(r'\s*"?([A-Za-z_][A-Za-z0-9_]*)"?(?:\s*\{[^}]*\})?\s*:(?!=)')
 _SET = re.compile(r'\.\s*"?([A-Za-z_][A-Za-z0-9_]*)"?\s*:=')
+Lines = list[tuple[int, str]]
+"""Lines of a source with their numbers."""
 
 
 def excerpts(folder: Path, exchanges: tuple[ExchangeSheet, ...]) -> Iterator[Excerpt]:
     """Of every buffer its declaration, of every request the statements of its block that set a member."""
-    files = {path.stem.upper(): path for path in generated_sources(folder)}
+    known = dict(_blocks(folder))
     seen: set[str] = set()
     for exchange in exchanges:
         for message in (exchange.request, *exchange.answers):
             if message.home.name in seen:
                 continue
             seen.add(message.home.name)
-            lines = _lines(files.get(message.home.name.upper()))
+            file, lines = known.get(message.home.name.upper(), ("", []))
             found = list(_declared(lines, message))
             if found:
-                yield Excerpt(message.home.name, _name(files, message.home.name, folder), tuple(found))
-        used = list(_used(_lines(files.get(exchange.block.upper())), exchange.request))
+                yield Excerpt(message.home.name, file, tuple(found))
+        file, lines = known.get(exchange.block.upper(), ("", []))
+        used = list(_used(lines, exchange.request))
         if used:
-            yield Excerpt(exchange.request.home.name, _name(files, exchange.block, folder), tuple(used))
+            yield Excerpt(exchange.request.home.name, file, tuple(used))
 
 
-def _name(files: dict[str, Path], name: str, folder: Path) -> str:
-    path = files[name.upper()]
-    return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.name
+def _blocks(folder: Path) -> Iterator[tuple[str, tuple[str, Lines]]]:
+    """Every block of the generated sources by its name in capitals: its file and its lines."""
+    for path in generated_sources(folder):
+        try:
+            data = read_bounded(path, MAX_BYTES)
+        except OSError:
+            continue
+        text = decode_source(data, path.name) if len(data) <= MAX_BYTES else None
+        name = path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.name
+        lines: Lines = []
+        for number, line in enumerate(text.splitlines() if isinstance(text, str) else (), 1):
+            if head := _HEAD.match(line):
+                lines = []
+                yield head[1].upper(), (name, lines)
+            lines.append((number, line))
 
 
-def _lines(path: Path | None) -> list[str]:
-    if path is None:
-        return []
-    try:
-        data = read_bounded(path, _MAX_SOURCE)
-    except OSError:
-        return []
-    text = decode_source(data, path.name) if len(data) <= _MAX_SOURCE else None
-    return text.splitlines() if isinstance(text, str) else []
-
-
-def _declared(lines: list[str], message: Message) -> Iterator[SourceLine]:
+def _declared(lines: Lines, message: Message) -> Iterator[SourceLine]:
     offsets = {field.name.upper(): field.offset for field in message.fields if field.name}
-    for number, line in enumerate(lines, 1):
+    for number, line in lines:
         match = _MEMBER.match(line)
         if match and match[1].upper() in offsets:
             yield SourceLine(number, line.strip(), offsets.pop(match[1].upper()))
 
 
-def _used(lines: list[str], request: Message) -> Iterator[SourceLine]:
+def _used(lines: Lines, request: Message) -> Iterator[SourceLine]:
     offsets = {field.name.upper(): field.offset for field in request.fields if field.name}
-    for number, line in enumerate(lines, 1):
+    for number, line in lines:
         match = _SET.search(line)
         if match and match[1].upper() in offsets and "request" in line.lower():
             yield SourceLine(number, line.strip(), offsets[match[1].upper()])

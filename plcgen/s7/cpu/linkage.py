@@ -72,12 +72,18 @@ class ProgramBlock:
 
 @dataclass(frozen=True, slots=True)
 class Probe:
-    """One thing coverage counts: a statement, the outcome of a branch, or an operand that decides."""
+    """One thing coverage counts in a block: a statement, the outcome of a branch, or an operand that decides."""
 
     file: str
     line: int
     column: int
     kind: str
+    block: str
+
+    @property
+    def source(self) -> str:
+        """Its block and the file of it: a file may have several."""
+        return f"{self.file} {self.block}"
 
 
 @dataclass(slots=True)

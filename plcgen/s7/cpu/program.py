@@ -70,12 +70,12 @@ class Program:
         return [counters[number - first] for number in counted_by]
 
     def runs(self) -> tuple[tuple[str, int, int], ...]:
-        """File, begin and end of the probes that follow each other in one file: a few pieces for each file."""
+        """Source, begin and end of the probes that follow each other in one block: a few pieces for each block."""
         if not self._runs:
             found, begin = [], 0
-            for file, group in groupby(self.probes, lambda probe: probe.file):
+            for source, group in groupby(self.probes, lambda probe: probe.source):
                 end = begin + sum(1 for _ in group)
-                found.append((file, begin, end))
+                found.append((source, begin, end))
                 begin = end
             self._runs = tuple(found)
         return self._runs

@@ -17,6 +17,7 @@ from plcgen.s7.layout.layout import layout_block
 from plcgen.s7.memory.estimate import estimate
 from plcgen.s7.read.blocks import read_sources
 from tests.bench.specs import PLCS, grid
+from tests.projects import per_block
 
 LARGEST = 64 * 1024
 """Bytes of a code block of an S7-300/400, and of a DB with standard access (specs/cpus/s7.yaml)."""
@@ -170,7 +171,7 @@ def test_damage_behind_the_first_caller_is_noticed(
 ) -> None:
     """Besides the changed file and the document that differs from it: the program is wrong, and why."""
     monkeypatch.setattr(callers, "ROOM", Footprint(SMALL, SMALL))
-    planned(grid(2, 3), tmp_path)
+    planned(per_block(grid(2, 3)), tmp_path)
     api.generate(tmp_path / "plant.yaml", tmp_path / "out")
     path = tmp_path / "out" / file
     text = path.read_text("utf-8")

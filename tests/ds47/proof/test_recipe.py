@@ -253,7 +253,7 @@ def test_an_index_is_taken_back_where_one_may_stand(parameters: str, zeros: int,
     """Values are looked at from the last to the first: only an array that is behind in the record leaves an index."""
     head = SPEC.partition("recipes:\n")[0].replace("ID:", "hardware_id:")
     spec = tmp_path / "spec.yaml"
-    plc = "plc: {name: t, family: s7-1500, toolchain: tia-v19}\n"
+    plc = "plc: {name: t, sources: per_block, family: s7-1500, toolchain: tia-v19}\n"
     recipe = f"recipes:\n  r: {{parameters: {parameters}, records: 2}}\n"
     spec.write_text(f"{plc}{head}{recipe}jobs:\n  load: {{drive: fan, write_recipe: r}}\n", encoding="utf-8")
     assert api.generate(spec, tmp_path / "out").ok

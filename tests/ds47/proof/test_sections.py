@@ -19,6 +19,7 @@ from plcgen.proof.results import Result, added
 from plcgen.proof.rig import ProgramBench
 from plcgen.s7.cpu.program import Program
 from tests.bench.specs import grid
+from tests.projects import per_block
 
 
 def planned(text: str, folder: Path) -> DrivePlan:
@@ -52,7 +53,7 @@ def test_each_caller_is_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> 
     monkeypatch.setattr(sections, "LARGE", 4)
     for name in ("MANY", "LARGE"):
         monkeypatch.setattr(together, name, 4)
-    plan = planned(grid(2, 3), tmp_path)
+    plan = planned(per_block(grid(2, 3)), tmp_path)
     names = [caller.block.name for caller in plan.callers]
     assert len(names) > 2
     api.generate(tmp_path / "plant.yaml", tmp_path / "out")

@@ -19,7 +19,7 @@ from plcgen.project.opening import open_spec
 from plcgen.proof.rig import ProgramBench
 
 TANKS = """
-plc: {name: Tanks, family: s7-1200, toolchain: tia-v19}
+plc: {name: Tanks, sources: per_block, family: s7-1200, toolchain: tia-v19}
 ppi:
   line:
     module: cm1241
@@ -41,7 +41,7 @@ ppi:
       go: {station: first, run: true, timeout: 3s}
 """
 WELLS = """
-plc: {name: Wells, family: s7-300, toolchain: tia-v16}
+plc: {name: Wells, sources: per_block, family: s7-300, toolchain: tia-v16}
 ppi:
   line:
     module: cp341

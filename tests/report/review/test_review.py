@@ -70,7 +70,7 @@ def test_a_request_is_the_telegram_of_the_faq_byte_by_byte():
 
 
 def test_every_member_of_the_request_leads_to_its_line():
-    """The start values of DB3 stand in db/WR_DataBuffer.db."""
+    """The start values of DB3 stand in the one source, at the lines that are named."""
     review = faq_review()
     (excerpt,) = (e for e in review.excerpts if e.block == "WR_DataBuffer")
     lines = (generated_example(FAQ.stem) / excerpt.file).read_text("utf-8-sig").splitlines()

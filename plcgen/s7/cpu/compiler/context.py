@@ -160,7 +160,7 @@ class Context:
     def counter(self, node: ast.Node, kind: str, shared: int | None = None) -> int:
         """Number of this place, which is that of its counter unless it has a ``shared`` one."""
         span = self.span(node)
-        probe = Probe(span.file, span.line, span.column, kind)
+        probe = Probe(span.file, span.line, span.column, kind, self.owner.name)
         number = self.known.get(probe)
         if number is None:
             number = len(self.link.probes)
@@ -217,5 +217,5 @@ class Context:
         """Generated call of a point; its value is None."""
         span = self.span(node) if node is not None else None
         line, column = (span.line, span.column) if span is not None else (self.out.line, 0)
-        self.link.points.append(Probe(self.owner.result.tokens.file, line, column, kind))
+        self.link.points.append(Probe(self.owner.result.tokens.file, line, column, kind, self.owner.name))
         return f"Z({len(self.link.points) - 1})"
