@@ -14,7 +14,7 @@ from plcgen.base.diagnostics import PluginError
 from plcgen.project.nouns import Plan
 from plcgen.project.registry import SHIPPED, protocols
 from plcgen.protocol.base import Protocol
-from tests.projects import ROOT, SPECS
+from tests.projects import ROOT, SPECS, per_block
 
 SPEC = """
 plc: {name: Toys, family: FAMILY, toolchain: TOOLCHAIN}
@@ -45,6 +45,7 @@ def test_a_toy_is_generated_and_verified(toy: Path, tmp_path: Path) -> None:
 
 def test_the_proof_of_a_toy_can_fail(toy: Path, tmp_path: Path) -> None:
     """A byte that was changed on disk is noticed by its own check."""
+    toy.write_text(per_block(toy.read_text("utf-8")), "utf-8")
     api.generate(toy, tmp_path / "out")
     source = next(path for path in (tmp_path / "out" / "db").iterdir() if path.name.startswith("Red_Request"))
     data = source.read_bytes()

@@ -30,7 +30,7 @@ from plcgen.s7.scl.classic import Spelling, respell
 
 @dataclass(frozen=True, slots=True)
 class RenderedFile:
-    """A finished file: relative path with forward slashes, exact bytes, why it is experimental ("" if not), its group."""
+    """A finished file: path with forward slashes, exact bytes, why it is experimental, the group of its document."""
 
     path: str
     data: bytes

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcgen.base.telegrams.dissection import ByteField
-from plcgen.ds47.plan.nouns import DrivePlan, PlannedDrive
+from plcgen.ds47.plan.access import Compare, Read, Use, Write
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
+from plcgen.ds47.plan.values import literals_text
 from plcgen.ds47.wire.dissect import dissect_request
 from plcgen.project.nouns import Buffer, BufferField
-from plcgen.s7.compare.model import DriveState, JobState, TelegramState
+from plcgen.s7.compare.model import DriveState, JobItem, JobState, TelegramState
 
 
 def buffers(plan: DrivePlan) -> Iterator[tuple[Buffer[BufferField], str]]:
@@ -44,8 +46,22 @@ def jobs(plan: DrivePlan) -> Iterator[JobState]:
             ("retries", str(job.retries)),
         )
         trigger = tuple((name, address.text()) for name, address in job.trigger.items())
-        place = plan.loaded.key_span(job.path)
-        yield JobState(job.key, job.drive.key, telegrams, timing, trigger, place)
+        span, place = plan.loaded.key_span(job.path), (job.caller.control.name, job.member)
+        items = tuple(_item(plan, use) for use in job.uses if isinstance(use.role, Read | Write | Compare))
+        yield JobState(job.key, job.drive.key, telegrams, timing, trigger, span, _group(job), items, place)
+
+
+def _group(job: DriveJob) -> str:
+    """The key of a job in the spec: behind it stands the drive, if there are several."""
+    return job.key.removesuffix(f".{job.drive.key}")
+
+
+def _item(plan: DrivePlan, use: Use) -> JobItem:
+    does = {Read: "reads", Write: "writes", Compare: "compares"}[type(use.role)]
+    if not use.supplied:
+        return JobItem(use.label, does)
+    constant = all(one.constant for one in (use.bits or (use,)))
+    return JobItem(use.label, does, f"{literals_text(use, plan.target)}{'' if constant else ' (input)'}")
 
 
 def shown_request(data: bytes) -> list[ByteField]:

@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from plcgen.base.telegrams.dissection import ByteField
-from plcgen.ppi.plan.nouns import PpiPlan
+from plcgen.ppi.plan.nouns import PpiJob, PpiPlan, PpiValue
+from plcgen.ppi.views.documents import written_value
 from plcgen.ppi.wire.dissect import dissect
 from plcgen.project.nouns import Buffer, BufferField
-from plcgen.s7.compare.model import DriveState, JobState, TelegramState
+from plcgen.s7.compare.model import DriveState, JobItem, JobState, TelegramState
 
 
 def buffers(plan: PpiPlan) -> Iterator[tuple[Buffer[BufferField], str]]:
@@ -46,8 +47,16 @@ def jobs(plan: PpiPlan) -> Iterator[JobState]:
             telegrams = tuple(TelegramState(data, size, 0, size, "ppi") for data, size in sizes)
             timing = (("timeout", f"{job.timeout} ms"), ("cycle", f"{job.cycle} ms"))
             trigger = tuple((name, address.text()) for name, address in job.trigger.items())
-            station, place = f"{master.key}.{job.station.key}", plan.loaded.key_span(job.path)
-            yield JobState(f"{master.key}.{job.key}", station, telegrams, timing, trigger, place)
+            station, span = f"{master.key}.{job.station.key}", plan.loaded.key_span(job.path)
+            key, place = f"{master.key}.{job.key}", (plan.control_db.name, job.member)
+            items = tuple(_item(plan, job, value) for value in job.values)
+            yield JobState(key, station, telegrams, timing, trigger, span, key, items, place)
+
+
+def _item(plan: PpiPlan, job: PpiJob, value: PpiValue) -> JobItem:
+    if job.kind != "write":
+        return JobItem(value.label, "reads")
+    return JobItem(value.label, "writes", written_value(plan, value))
 
 
 _DERIVED = ("checksum", "length LE", "parameter length", "data length")

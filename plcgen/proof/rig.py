@@ -147,6 +147,7 @@ class Source:
         entry = program.link.find(block if isinstance(block, str) else block.name)
         self.file = entry.result.tokens.file if entry is not None else ""
         self.block = entry.name if entry is not None else ""
+        self.line = entry.result.tokens.position(entry.unit.start)[0] if entry is not None else 1
         own = [i for i, probe in enumerate(program.probes) if probe.block == self.block]
         self.probes = slice(own[0], own[-1] + 1) if own else slice(0, 0)
 

@@ -262,5 +262,5 @@ class Runner(Generic[S]):
         ]
         margin = min((probe.column for probe in found), default=0)
         inner = [probe for probe in found if probe.column > margin] or found
-        line = max((probe.line for probe in inner), default=1)
+        line = max((probe.line for probe in inner), default=rig.source.line)
         return Failure(title, run.scans, message, rig.source.file, line)

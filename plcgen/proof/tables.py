@@ -7,7 +7,7 @@ import hashlib
 import json
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence, Set
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
@@ -243,9 +243,9 @@ class _Tables:
         """The blocks of a source: each behind what it needs of the others there."""
         names = [name for name, path in self.folder.files.items() if path == file]
         names.sort(key=lambda name: self.folder.place(name).line)
-        yield from self.behind(names, set(names))
+        yield from self.behind(names, frozenset(names))
 
-    def behind(self, names: Iterable[str], among: Set[str] | None = None) -> Iterator[str]:
+    def behind(self, names: Iterable[str], among: frozenset[str] | None = None) -> Iterator[str]:
         """Blocks in front of something that they need; ``among`` are the blocks that matter, all without it."""
         seen: set[str] = set()
         for name in map(str.upper, names):

@@ -137,6 +137,7 @@ LAYOUT = {
 _LEVEL = one_of(*(level.value for level in Level))
 COMPARISON = {
     "old": TEXT, "new": TEXT, "fail_on": TEXT, "summary": _table(NUMBER),
+    "sentences": many(record(job=TEXT, level=_LEVEL, text=TEXT, partners=many(TEXT), place=maybe(PLACE))),
     "changes": many(
         record(
             id=TEXT, level=_LEVEL, subject=TEXT, path=TEXT, message=TEXT, old=TEXT, new=TEXT,

@@ -367,7 +367,7 @@ def test_optimized_by_default_on_s7_1500(tmp_path):
     """A source that does not say is optimized there."""
     spec = tmp_path / "job.yaml"
     spec.write_text(
-        "plc: {name: a, family: s7-1500, toolchain: tia-v19}\n"
+        "plc: {name: a, sources: per_block, family: s7-1500, toolchain: tia-v19}\n"
         "drives: {d: {device: sinamics-g120, hardware_id: 270}}\n"
         "jobs: {read_speed: {drive: d, read: [r21], buffers: db}}\n"
     )

@@ -134,10 +134,10 @@ LENGTHS = {"WR_DataBuffer": 10, "RD_DataBuffer": 10, "WR_DataBuffer_1": 16, "RD_
 @pytest.mark.parametrize("name", FIGURES)
 def test_data_blocks_equal_the_figures_of_the_faq(name: str) -> None:
     """Figures 4-5, 4-6, 4-9, 4-10 of FAQ 109750712, member by member; DB6 has error words after the figure's four."""
-    path = ROOT / "examples" / FAQ.stem / "expected" / "db" / f"{name}.db"
-    blocks, problems = read_source(path)
+    blocks, problems = read_source(ROOT / "examples" / FAQ.stem / "expected" / f"{FAQ.stem.upper()}.scl")
     assert problems == []
-    layout = layout_block(blocks[0], {})
+    (found,) = (block for block in blocks if block.name == name)
+    layout = layout_block(found, {})
     shown = [f"{entry.path}@{entry.byte}" for entry in layout.entries]
     wanted = FIGURES[name].split()
     assert shown[: len(wanted)] == wanted
@@ -158,10 +158,10 @@ def test_sources_have_the_encoding_of_their_tool(tmp_path: Path) -> None:
     """TIA Portal: UTF-8 with byte order mark and LF; STEP 7 V5: Windows-1252 and CR LF."""
     (tmp_path / "a").mkdir()
     tia = generated(every_type("t15").replace("Every type", "Förderband"), tmp_path / "a")
-    text = (tia / "scl" / "ReadAll.scl").read_bytes()
-    assert text.startswith(b"\xef\xbb\xbfFUNCTION_BLOCK")
+    text = (tia / "Förderband.scl").read_bytes()
+    assert text.startswith(b"\xef\xbb\xbfTYPE")
     assert b"\r" not in text
-    v5 = tree(generated_example(MM4.stem))["scl/ReadParams.scl"]
-    assert v5.startswith(b"FUNCTION_BLOCK")
+    v5 = tree(generated_example(MM4.stem))["S7-300_MM440_DP.scl"]
+    assert v5.startswith(b"TYPE")
     assert v5.count(b"\r\n") == v5.count(b"\n") > 50
     v5.decode("cp1252")

@@ -64,7 +64,7 @@ def test_a_template_reads_as_scl(path: Path) -> None:
 
 def test_the_goldens_have_every_spelling() -> None:
     """The shipped examples hold all three: what the tests above compare is really different."""
-    texts = {p.name: p.read_text("utf-8-sig") for s in SPECS for p in generated_example(s.stem).glob("scl/*.scl")}
+    texts = {s: p.read_text("utf-8-sig") for s in SPECS for p in generated_example(s.stem).glob("*.scl")}
     assert any("\nREGION " in text for text in texts.values())
     assert any("// ---- " in text and "#" in text for text in texts.values())
     assert any("\nCONST\n" in text for text in texts.values())

@@ -256,7 +256,7 @@ def test_check_notices_one_changed_byte(tmp_path: Path) -> None:
     clean = api.generate(FAQ, out, check_only=True)
     assert clean.ok
     assert clean.diff == ""
-    target = out / "db" / "WR_DataBuffer.db"
+    (target,) = out.glob("*.scl")
     target.write_bytes(target.read_bytes().replace(b"16#C47F", b"16#C47E"))
     stale = api.generate(FAQ, out, check_only=True)
     assert [d.code for d in stale.diagnostics] == ["PG504"]

@@ -14,6 +14,7 @@ from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.base.resources import specs_dir
 from plcgen.ds47.devices import device_names
 from plcgen.proof.checks import Check, CheckGroup, Outcome, Verification
+from tests.projects import per_block
 
 
 def test_check_good(plcgen, good):
@@ -284,6 +285,7 @@ def test_layout_of_record_blocks(plcgen, tmp_path):
 
 def test_layout_finds_types_beside_the_source(plcgen, good, tmp_path):
     """Generated data blocks are laid out although their types stand in other folders."""
+    Path(good).write_text(per_block(Path(good).read_text("utf-8")), "utf-8")
     assert plcgen("generate", good, "-q").code == 0
     result = plcgen("layout", *sorted((tmp_path / "job_generated").rglob("*.db")))
     assert (result.code, result.err) == (0, "")

@@ -10,6 +10,7 @@ from plcgen import api
 from plcgen.s7.memory.estimate import estimate
 from plcgen.s7.read.text import decode_source
 from plcgen.s7.scl.dialect import Dialect
+from tests.projects import per_block_spec
 
 ROOT = Path(__file__).parents[2]
 ENGINE = {"DriveChannel", "DriveGate", "DriveTicket"}

@@ -71,8 +71,8 @@ def damaged(folder: Path, edits: Sequence[Edit], encoding: str) -> Iterator[None
 
 
 def spec_of(example: str) -> Path:
-    """The spec of an example; ``/blocks`` behind its name: a file for each block."""
-    name, _, blocks = example.partition("/")
+    """The spec of an example; "per block" behind its name: a file for each block."""
+    name, _, blocks = example.partition(" ")
     return per_block_spec(name) if blocks else ROOT / "specs" / f"{name}.yaml"
 
 

@@ -12,7 +12,7 @@ from tests.projects import generated_example
 from tests.proof.damaging import damaged, findings, spec_of
 
 TIA, NEW, V5 = "s7-300_6ra80_dp_tia", "s7-1500_g120_pn", "s7-300_mm440_dp"
-BLOCKS = f"{V5}/blocks"
+BLOCKS = f"{V5} per block"
 MAIN_TEXT, JOB = "scl/Main.scl", "scl/SetRamps.scl"
 # what: (example, file, what stands there, what stands there instead)
 CORPUS: dict[str, tuple[str, str, str, str]] = {}

@@ -19,7 +19,7 @@ from plcgen.proof.checks import Outcome
 from plcgen.s7.cpu.cpu import Cpu
 
 SPEC = """
-plc: {name: Press, family: s7-1500, toolchain: tia-v20}
+plc: {name: Press, sources: per_block, family: s7-1500, toolchain: tia-v20}
 drives:
   axis: {device: sinamics-s120, hardware_id: 281, drive_object: 3}
 jobs:

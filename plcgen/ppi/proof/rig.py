@@ -131,7 +131,7 @@ class MasterRig:
         self.db = Members(self.cpu, program, master.instance.name, paths, "diagnostics.")
         self._ranges, self._bits = self._shown()
         self.source = Source(program, master.block)
-        self.place = (self.source.file, 1)
+        self.place = (self.source.file, self.source.line)
         place = self.source.probes
         own = zip(program.probes[place], program.link.counted_by[place], strict=True)
         self._statements = [number - place.start for probe, number in own if probe.kind == "statement"]

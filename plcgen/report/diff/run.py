@@ -13,6 +13,7 @@ from plcgen.base.files.files import YAML_SUFFIXES
 from plcgen.report.diff.jobs import compare_jobs
 from plcgen.report.diff.lockfile import read_lock, reduced
 from plcgen.report.diff.planned import spec_snapshot
+from plcgen.report.diff.sentences import sentences
 from plcgen.s7.compare.blocks import compare_blocks
 from plcgen.s7.compare.model import TAG_TABLE, Change, Comparison, Snapshot
 from plcgen.s7.compare.policy import Level
@@ -64,7 +65,16 @@ def compare_snapshots(
         twins = old.mirrored & new.mirrored
         blocks = [c for c in blocks if c.kind not in _DERIVED and not _is_twin(c, twins)]
         blocks = [dataclasses.replace(change, old_span=None, new_span=None) for change in blocks]
-    return Comparison(old.label, new.label, (*changes, *blocks), diagnostics, len(new.blocks))
+    told = sentences(old, new, changes)
+    inside = frozenset(each.subject for each in blocks if told and _is_inside(each.subject, old, new))
+    return Comparison(old.label, new.label, (*changes, *blocks), diagnostics, len(new.blocks), told, inside)
+
+
+def _is_inside(subject: str, old: Snapshot, new: Snapshot) -> bool:
+    """Whether a subject is a function block or an instance of one: what changes there follows from the jobs."""
+    known = {block.title: block for block in (*old.blocks, *new.blocks)}
+    block = known.get(subject)
+    return block is not None and (block.kind == "FB" or bool(block.instance_of))
 
 
 def _is_twin(change: Change, names: frozenset[str]) -> bool:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from plcgen.base.display.view import View
     from plcgen.proof.checks import Verification
     from plcgen.s7.compare.model import Change, Comparison
+    from plcgen.s7.compare.policy import Level
 
 _CHANGE = {"breaking": "warning", "compatible": "notice", "documentation": "notice"}
 _COMMAND = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
@@ -67,19 +68,34 @@ def _verification(verification: Verification, _view: View) -> str:
 
 
 def _comparison(comparison: Comparison, view: View) -> str:
-    """A change that fails the run (``--fail-on``) is an error, other breaking ones a warning, the rest notices."""
-    return "".join(
-        [_changed(change, view.fail_on) for change in comparison.changes]
-        + [annotation(diagnostic) for diagnostic in comparison.diagnostics]
+    """A change that fails the run (``--fail-on``) is an error, other breaking ones a warning, the rest notices.
+
+    Of two specs every job has one, and every drive and block that is not inside of the jobs.
+    """
+    told = [_told(one.level, one.who, one.text, one.span, "job", view) for one in comparison.sentences]
+    jobs = {
+        f"job {key}" for one in comparison.sentences for key in (one.job, *(f"{one.job}.{p}" for p in one.partners))
+    }
+    for subject, changes in comparison.subjects():
+        if not comparison.sentences:
+            told += [_changed(change, view) for change in changes]
+        elif subject not in jobs | comparison.inside:
+            first, more = changes[0], f" and {len(changes) - 1} more" if len(changes) > 1 else ""
+            told.append(_told(first.level, subject, f"{first.text}{more}", first.span, first.kind, view))
+    return "".join(told + [annotation(diagnostic) for diagnostic in comparison.diagnostics])
+
+
+def _changed(change: Change, view: View) -> str:
+    return _told(
+        change.level, change.subject, "\n".join([change.text, *change.details]), change.span, change.kind, view
     )
 
 
-def _changed(change: Change, fail_on: str) -> str:
+def _told(level: Level, subject: str, text: str, span: Span | None, title: str, view: View) -> str:
     from plcgen.s7.compare.policy import fails
 
-    command = "error" if fails(change.level, fail_on) else _CHANGE[change.level.value]
-    text = "\n".join([f"{change.level.value}: {change.subject}: {change.text}", *change.details])
-    return _command(command, change.span or Span(""), change.kind, text)
+    command = "error" if fails(level, view.fail_on) else _CHANGE[level.value]
+    return _command(command, span or Span(""), title, f"{level.value}: {subject}: {text}")
 
 
 def _verifications(found: Sequence[Verification], view: View) -> str:

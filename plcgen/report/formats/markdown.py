@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from plcgen.s7.tables.tables import LayoutResult
 
 _MARK = {"breaking": ":red_circle:", "compatible": ":yellow_circle:", "documentation": ":white_circle:"}
+LIMIT = 18_000
+"""Bytes of a comparison without --verbose."""
 _MANY = 12
 """So many items of a long list are shown; --verbose shows the rest."""
 
@@ -47,18 +49,30 @@ def _comparison(comparison: Comparison, view: View) -> str:
     lines = ["### Changes of PLC blocks", "", _verdict(comparison, view), ""]
     if not comparison.changes:
         return "\n".join(lines[:-1]) + "\n"
-    lines += ["| | where | what | id |", "|---|---|---|---|"]
-    for subject, changes in comparison.subjects():
+    told = [f"- {_MARK[one.level.value]} **{_escape(one.who)}**: {_escape(one.text)}" for one in comparison.sentences]
+    table = ["| | where | what | id |", "|---|---|---|---|"]
+    for subject, changes in comparison.folded(everything=view.verbose):
         for number, (change, hidden) in enumerate(shortened(changes, view)):
             where = f"**{_escape(subject)}**" if number == 0 else ""
             mark = f"{_MARK[change.level.value]} {change.level.value}"
-            lines.append(f"| {mark} | {where} | {_escape(change.text)} | `{change.kind}` |")
+            table.append(f"| {mark} | {where} | {_escape(change.text)} | `{change.kind}` |")
             if hidden:
-                lines.append(f"| | | .. and {hidden} more | `{change.kind}` |")
-    long = [change for change in comparison.changes if change.details]
-    for change in long:
-        lines += ["", *_folded(change, view)]
-    return "\n".join(lines) + "\n"
+                table.append(f"| | | .. and {hidden} more | `{change.kind}` |")
+    long = [] if told and not view.verbose else [change for change in comparison.changes if change.details]
+    if told:
+        table = ["", "<details><summary>Telegrams, drives and data blocks</summary>", "", *table, "", "</details>"]
+    parts = [*told, *table, *(line for change in long for line in ["", *_folded(change, view)])]
+    return "\n".join([*lines, *_bounded(parts, view)]) + "\n"
+
+
+def _bounded(lines: list[str], view: View) -> list[str]:
+    """As much as a comment of a pull request should have; --verbose leaves nothing out."""
+    left = LIMIT
+    for number, line in enumerate(lines):
+        left -= len(line.encode()) + 1
+        if left < 0 and not view.verbose:
+            return [*lines[:number], "", f".. and {len(lines) - number} lines more: plcgen diff --verbose"]
+    return lines
 
 
 def _folded(change: Change, view: View) -> list[str]:

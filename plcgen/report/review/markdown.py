@@ -122,12 +122,15 @@ def _changes(title: str, found: Comparison) -> _Part:
     counts = found.counts or "no differences"
     rows = [
         (f"{_MARK[c.level.value]} {c.level.value}", subject, c.text[:_CELL], c.kind)
-        for subject, changes in found.subjects()
+        for subject, changes in found.folded()
         for c in changes
     ]
     table = markdown_table(("class", "where", "what", "id"), rows) if rows else []
     labels = f"{code_span(found.old)} to {code_span(found.new)}: {counts}"
-    return _Part(escape(title), [labels, *(["", *table[:2]] if table else [])], table[2:])
+    told = [f"- {_MARK[one.level.value]} **{escape(one.who)}**: {escape(one.text)}" for one in found.sentences]
+    return _Part(
+        escape(title), [labels, *(["", *told] if told else []), *(["", *table[:2]] if table else [])], table[2:]
+    )
 
 
 def _writes(review: Review) -> _Part:

@@ -90,7 +90,7 @@ def _problem(problem: Diagnostic) -> dict[str, str]:
 
 
 def _comparison(title: str, found: Comparison) -> dict[str, Any]:
-    rows = [_change(subject, change) for subject, changes in found.subjects() for change in changes]
+    rows = [_change(subject, change) for subject, changes in found.folded() for change in changes]
     return {
         "title": title,
         "old": clean(found.old),
@@ -98,6 +98,8 @@ def _comparison(title: str, found: Comparison) -> dict[str, Any]:
         "counts": found.counts or "no differences",
         "readable": found.readable,
         "problems": [_problem(problem) for problem in found.diagnostics],
+        "sentences": [(one.level.value, clean(one.who), clean(one.text)) for one in found.sentences],
+        "inside": clean(", ".join(sorted(found.inside))),
         "rows": rows[:MAX_CHANGES],
         "more": max(0, len(rows) - MAX_CHANGES),
     }

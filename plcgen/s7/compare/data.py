@@ -18,6 +18,16 @@ def comparison_data(comparison: Comparison, fail_on: str) -> dict[str, Any]:
         "new": comparison.new,
         "fail_on": fail_on,
         "summary": {level.value: comparison.count(level) for level in Level},
+        "sentences": [
+            {
+                "job": one.job,
+                "level": one.level.value,
+                "text": one.text,
+                "partners": list(one.partners),
+                "place": span_data(one.span) if one.span else None,
+            }
+            for one in comparison.sentences
+        ],
         "changes": [_data(change) for change in comparison.changes],
         "diagnostics": [diagnostic_data(d) for d in comparison.diagnostics],
     }

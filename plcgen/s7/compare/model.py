@@ -104,9 +104,21 @@ class TelegramState:
     protocol: str = "ds47"
 
 
+class JobItem(NamedTuple):
+    """What a job does with one parameter or address: ``value`` is what it writes or compares, empty if it reads."""
+
+    label: str
+    does: str
+    value: str = ""
+
+
 @dataclass(frozen=True, slots=True)
 class JobState:
-    """One job of a spec; ``timing`` and ``trigger`` are names with their values as text."""
+    """One job of a spec; ``timing`` and ``trigger`` are names with their values as text.
+
+    ``group`` is what jobs of several drives have in common, ``items`` what they do, ``place`` the data block and the
+    member in which the caller finds the job. A lock keeps none of these.
+    """
 
     key: str
     drive: str
@@ -114,6 +126,9 @@ class JobState:
     timing: tuple[tuple[str, str], ...] = ()
     trigger: tuple[tuple[str, str], ...] = ()
     span: Span | None = field(default=None, compare=False)
+    group: str = field(default="", compare=False)
+    items: tuple[JobItem, ...] = field(default=(), compare=False)
+    place: tuple[str, str] = field(default=("", ""), compare=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,14 +201,37 @@ class Change:
 
 
 @dataclass(frozen=True, slots=True)
+class Sentence:
+    """What has changed of one job, in words: ``partners`` are its drives that this is true of."""
+
+    job: str
+    level: Level
+    text: str
+    partners: tuple[str, ...] = ()
+    span: Span | None = None
+
+    @property
+    def who(self) -> str:
+        """``actual, 20 drives``."""
+        count = len(self.partners)
+        return self.job if count < 2 else f"{self.job}, {count} drives"
+
+
+@dataclass(frozen=True, slots=True)
 class Comparison:
-    """All changes by subject in a stable order, and everything that could not be read."""
+    """All changes by subject in a stable order, and everything that could not be read.
+
+    ``sentences`` say of two specs what has changed by job; ``inside`` are the blocks in which follows from it what no
+    one but they themselves notices.
+    """
 
     old: str
     new: str
     changes: tuple[Change, ...]
     diagnostics: tuple[Diagnostic, ...] = ()
     compared: int = 0
+    sentences: tuple[Sentence, ...] = ()
+    inside: frozenset[str] = frozenset()
 
     def count(self, level: Level) -> int:
         """How many changes have this level."""
@@ -211,6 +249,21 @@ class Comparison:
             groups.setdefault(change.subject, []).append(change)
         for subject, changes in groups.items():
             yield subject, sorted(changes, key=lambda change: change.level.rank)
+
+    def folded(self, *, everything: bool = False) -> Iterator[tuple[str, list[Change]]]:
+        """The same without what is inside, with one of the subjects of which the same is told."""
+        told: dict[tuple[tuple[str, str], ...], list[str]] = {}
+        first: dict[str, list[Change]] = {}
+        for subject, changes in self.subjects():
+            if everything:
+                yield subject, changes
+            elif subject not in self.inside:
+                alike = tuple((change.kind, change.text) for change in changes)
+                told.setdefault((("", subject.partition(".")[0]), *alike), []).append(subject)
+                first[subject] = changes
+        for subjects in told.values():
+            more = f" .. {subjects[-1].rpartition(' ')[2]} ({len(subjects)} alike)" if len(subjects) > 1 else ""
+            yield f"{subjects[0]}{more}", first[subjects[0]]
 
     def failing(self, fail_on: str) -> int:
         """How many changes fail a run with this ``--fail-on``."""

@@ -10,7 +10,7 @@ from plcgen.base.display.cells import clean, pad, wrap
 from plcgen.base.display.view import View
 
 if TYPE_CHECKING:
-    from plcgen.s7.compare.model import Change, Comparison
+    from plcgen.s7.compare.model import Change, Comparison, Sentence
 
 _STYLE = {"breaking": "error", "compatible": "warning", "documentation": "dim"}
 _MARGIN = 2 + 13 + 2 + 18 + 2
@@ -19,16 +19,28 @@ _ROW = 4
 
 
 def comparison_text(comparison: Comparison, view: View) -> str:
-    """Changes by block, job and drive, the worst first; ``verbose`` lists every moved member and changed line."""
-    lines: list[str] = []
-    for subject, changes in comparison.subjects():
+    """Sentences by job, then changes by block, job and drive, the worst first.
+
+    ``verbose`` lists every moved member and changed line, and what is inside of blocks.
+    """
+    lines = [line for one in comparison.sentences for line in _sentence(one, view)]
+    lines += [""] if lines else []
+    for subject, changes in comparison.folded(everything=view.verbose):
         lines += [view.paint(clean(subject), "bold")]
         for change, hidden in shortened(changes, view):
             lines += _change(change, view)
             if hidden:
                 lines.append(f"{' ' * _MARGIN}.. and {hidden} more {change.kind} (--verbose)")
         lines.append("")
+    if comparison.inside and not view.verbose:
+        lines += [*wrap(f"inside of {', '.join(sorted(comparison.inside))}: --verbose", view.width), ""]
     return "\n".join([*lines, _summary(comparison, view)]) + "\n"
+
+
+def _sentence(one: Sentence, view: View) -> list[str]:
+    label = one.level.value
+    first, *more = wrap(clean(f"{one.who}: {one.text}"), max(view.width - 15, 40))
+    return [f"{view.paint(pad(label, 13), _STYLE[label])}  {first}", *(" " * 15 + line for line in more)]
 
 
 def shortened(changes: Sequence[Change], view: View) -> Iterator[tuple[Change, int]]:

@@ -124,6 +124,8 @@ def _declared(
     rows.fields(layout.shape, 0, 0, "", NO_DOUBTS)
     keys = sorted({key for row in rows.found for key in row.rules})
     offsets = not block.optimized
+    owner = types.get((block.instance_of or "").upper())
+    of_type = owner is not None and owner.kind is BlockKind.UDT
     return BlockTable(
         block.kind.value,
         block.name,
@@ -137,6 +139,7 @@ def _declared(
         file=block.span.file if block.span else "",
         line=block.span.line if block.span else 0,
         unsaid=offsets and _is_unsaid(block, types),
+        inner=block.kind is BlockKind.FB or (bool(block.instance_of) and not of_type),
         shape=layout.shape if offsets else None,
         begin=begin,
     )

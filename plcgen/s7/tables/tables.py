@@ -67,7 +67,7 @@ class BlockTable:
     ``data`` and ``role`` if it is a telegram's buffer; ``unused`` counts the bits of all gaps, those inside folded
     arrays included; ``shape`` is the memory the rows were made from, ``begin`` the values of the BEGIN part
     by lower-case path; ``file`` and ``line`` where it is declared; ``unsaid`` if its source could state the access
-    and does not.
+    and does not; ``inner`` if only its own code goes by its offsets: a function block, or an instance of one.
     """
 
     kind: str
@@ -83,6 +83,7 @@ class BlockTable:
     file: str = ""
     line: int = 0
     unsaid: bool = False
+    inner: bool = False
     shape: Shape | None = field(default=None, repr=False, compare=False)
     begin: Mapping[str, str] = field(default_factory=dict, repr=False, compare=False)
 

@@ -99,7 +99,7 @@ def test_every_block_of_a_large_plant_fits(plc: str, tmp_path: Path) -> None:
     names = [caller.block.name for caller in plan.callers]
     assert names[:2] == ["DriveCalls", "DriveCalls2"]
     call = '"{0}"."{0}_DB"();' if project.target.v5 else '"{0}_DB"();'
-    main = (tmp_path / "out" / "scl" / "Main.scl").read_bytes().decode("latin-1")
+    main = (tmp_path / "out" / "example" / "Main.scl").read_bytes().decode("latin-1")
     places = [main.index(call.format(name)) for name in names]
     assert places == sorted(places)
 

@@ -42,15 +42,14 @@ def test_nothing_is_outside_or_clipped(page: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_print_loses_nothing(tmp_path: Path) -> None:
-    """Folded parts too: every hash of a file, every line of the sources, every member of the layouts."""
+def test_print_has_what_is_signed(tmp_path: Path) -> None:
+    """Hash of all files, every byte of the telegrams, every member of the requests, the write list, the runs."""
     review = faq_review()
     page = tmp_path / "page.html"
     page.write_text(show("html", review), "utf-8")
     text = re.sub(r"\s+", "", printed(page, tmp_path))
-    wanted = [file.sha256 for file in review.files]
-    wanted += [row.name for pair in review.layouts if pair.after for row in pair.after.rows]
-    wanted += ["Thelinesofthesources".lower(), "RFGramp-downtime1", "Reviewedby", "STATUSDE80B500"]
+    wanted = [review.files_hash, review.spec_hash, "0301020110", "RFGramp-downtime1", "Reviewedby", "STATUSDE80B500"]
+    wanted += [field.name for one in review.sheet.exchanges for field in one.request.fields]
     assert [item for item in wanted if item not in text and item.lower() not in text.lower()] == []
 
 

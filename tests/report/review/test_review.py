@@ -19,7 +19,7 @@ from plcgen.report.review.grid import matrix, scenario_grids
 from plcgen.report.review.markdown import LIMIT
 from plcgen.report.review.timeline import time_line
 from plcgen.report.trace.model import JobResult, Trace
-from tests.projects import FAQ, ROOT, generated_example
+from tests.projects import FAQ, ROOT, generated_example, per_block
 from tests.report.review.reviews import LONG, faq_review, git, hostile_review, ppi_review, show
 
 
@@ -180,7 +180,7 @@ def test_json_has_the_bytes_and_the_verdict():
 @pytest.fixture
 def repository(tmp_path):
     """A repository with the spec of the FAQ and its files, the spec then changed: 100.0 becomes 50.0."""
-    shutil.copy(FAQ, tmp_path / "job.yaml")
+    (tmp_path / "job.yaml").write_text(per_block(FAQ.read_text("utf-8")), "utf-8")
     assert api.generate(tmp_path / "job.yaml", tmp_path / "plc").ok
     assert api.lock(tmp_path / "plc" / "db", out=tmp_path / "plcgen.lock.json").ok
     git(tmp_path, "init", "--quiet")
@@ -243,7 +243,7 @@ def test_a_base_that_does_not_exist(repository, against):
 def test_a_broken_file_makes_a_page_that_says_so(tmp_path):
     """One byte of the request DB on disk: C47F becomes C47E."""
     shutil.copytree(generated_example(FAQ.stem), tmp_path / "plc")
-    source = tmp_path / "plc" / "db" / "WR_DataBuffer.db"
+    (source,) = (tmp_path / "plc").glob("*.scl")
     source.write_bytes(source.read_bytes().replace(b"C47F", b"C47E"))
     review = api.review(FAQ, tmp_path / "plc", faults="none")
     assert not review.ok

@@ -15,11 +15,12 @@ from plcgen.report.registry import output_format
 from plcgen.s7.compare.model import Comparison
 from plcgen.s7.compare.policy import KINDS, Level, fails
 from plcgen.s7.compare.policyfile import load_policy
-from tests.projects import FAQ, ROOT
+from tests.projects import FAQ, ROOT, per_block_spec
 from tests.yaml_files import read_yaml
 
 CASES = read_yaml((ROOT / "tests" / "vectors" / "diff.yaml").read_text("utf-8"))
 GOLDEN = ROOT / "examples" / FAQ.stem / "expected"
+BLOCKS = per_block_spec(FAQ.stem).with_name("out")
 
 
 def show(format_: str, result: Comparison, **looks: object) -> str:
@@ -141,7 +142,7 @@ def test_the_same_folder_has_no_differences():
     """A spec, its folder, and the SimaticML of that folder say the same."""
     assert plcgen.diff(GOLDEN, GOLDEN).changes == ()
     assert plcgen.diff(FAQ, GOLDEN).changes == ()
-    result = plcgen.diff(GOLDEN / "db", GOLDEN / "xml", classic=True)
+    result = plcgen.diff(BLOCKS / "db", GOLDEN / "xml", classic=True)
     names = {"RD_DataBuffer", "RD_DataBuffer_1", "WR_DataBuffer", "WR_DataBuffer_1"}
     buffers = [c for c in result.changes if any(f'"{name}"' in c.subject for name in names)]
     assert {c.kind for c in buffers} <= {"block-text", "block-renumbered"}, buffers
@@ -183,8 +184,8 @@ def test_types_of_the_other_side_are_used(tmp_path):
     """A single old file beside a project: its types are those of the project, as for git's external diff."""
     (tmp_path / "a").mkdir()
     old = tmp_path / "a" / "ReadRampUp.scl"
-    shutil.copy(GOLDEN / "scl" / "ReadRampUp.scl", old)
-    result = plcgen.diff(old, GOLDEN / "scl" / "ReadRampUp.scl")
+    shutil.copy(BLOCKS / "scl" / "ReadRampUp.scl", old)
+    result = plcgen.diff(old, BLOCKS / "scl" / "ReadRampUp.scl")
     assert (result.changes, result.diagnostics) == ((), ())
 
 
@@ -273,7 +274,7 @@ def test_broken_input(name, tmp_path, capsys):
     path = tmp_path / f"x.{suffix}"
     if BROKEN[name] is not None:
         path.write_bytes(BROKEN[name])
-    result = plcgen.diff(path, GOLDEN / "db")
+    result = plcgen.diff(path, BLOCKS / "db")
     assert not result.readable
     assert capsys.readouterr() == ("", "")
 
