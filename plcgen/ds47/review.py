@@ -48,7 +48,9 @@ def jobs(plan: DrivePlan) -> Iterator[JobState]:
         trigger = tuple((name, address.text()) for name, address in job.trigger.items())
         span, place = plan.loaded.key_span(job.path), (job.caller.control.name, job.member)
         items = tuple(_item(plan, use) for use in job.uses if isinstance(use.role, Read | Write | Compare))
-        yield JobState(job.key, job.drive.key, telegrams, timing, trigger, span, _group(job), items, place)
+        yield JobState(
+            job.key, job.drive.key, telegrams, timing, trigger, span, _group(job), items, place, job.block.name
+        )
 
 
 def _group(job: DriveJob) -> str:

@@ -50,7 +50,7 @@ def jobs(plan: PpiPlan) -> Iterator[JobState]:
             station, span = f"{master.key}.{job.station.key}", plan.loaded.key_span(job.path)
             key, place = f"{master.key}.{job.key}", (plan.control_db.name, job.member)
             items = tuple(_item(plan, job, value) for value in job.values)
-            yield JobState(key, station, telegrams, timing, trigger, span, key, items, place)
+            yield JobState(key, station, telegrams, timing, trigger, span, key, items, place, master.block.name)
 
 
 def _item(plan: PpiPlan, job: PpiJob, value: PpiValue) -> JobItem:

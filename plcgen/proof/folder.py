@@ -24,9 +24,13 @@ _ESCAPED = re.compile(r"\\([^\w\s])")
 
 @dataclass(slots=True)
 class Folder:
-    """Blocks by upper-case name, with the file each came from; ``problems`` is what could not be read."""
+    """Blocks by upper-case name, with the file each came from; ``problems`` is what could not be read.
+
+    ``encoding`` is that of the sources.
+    """
 
     path: Path
+    encoding: str = "utf-8-sig"
     text: TypeTable = field(default_factory=TypeTable)
     xml: TypeTable = field(default_factory=TypeTable)
     files: dict[str, Path] = field(default_factory=dict)
@@ -44,7 +48,7 @@ class Folder:
         """The lines of a block in its source, up to the next block of the same file."""
         file = self.files[name.upper()]
         if file not in self._pieces:
-            lines = file.read_text("utf-8-sig", "replace").splitlines(keepends=True)
+            lines = file.read_text(self.encoding, "replace").splitlines(keepends=True)
             starts = [(self.place(key).line - 1, key) for key, path in self.files.items() if path == file]
             starts.sort()
             ends = [*(line for line, _ in starts[1:]), len(lines)]
@@ -68,7 +72,7 @@ class Folder:
 
 def read_folder(path: Path, where: Target, progress: Callable[[str, int, int], None] | None = None) -> Folder:
     """Read every generated source and every generated SimaticML block document of a folder."""
-    folder = Folder(path)
+    folder = Folder(path, where.encoding)
     sources, documents = generated_sources(path), generated_documents(path)
     total = len(sources) + len(documents)
     for number, source in enumerate(sources):

@@ -14,8 +14,9 @@ from plcgen.s7.compare.model import Comparison
 DRIVES = [f"f{number:02}" for number in range(20)]
 PLANT = (
     "plc: {name: P, family: s7-1500, toolchain: tia-v19}\n"
-    f"drives: {{{', '.join(f'{key}: {{device: sinamics-g120, hardware_id: {270 + n}}}' for n, key in enumerate(DRIVES))}}}\n"
-    "jobs:\n"
+    "drives:\n"
+    + "".join(f"  {key}: {{device: sinamics-g120, hardware_id: {270 + n}}}\n" for n, key in enumerate(DRIVES))
+    + "jobs:\n"
     f"  actual: {{drive: [{', '.join(DRIVES)}], read: [r21, r27]}}\n"
     f"  ramps: {{drive: [{', '.join(DRIVES)}], write: {{P1120: 5.0, P1121: }}}}\n"
 )
@@ -49,7 +50,7 @@ def test_one_parameter_more_is_one_sentence(added: Comparison) -> None:
     assert second.who == "ramps, 20 drives"
     assert second.text.startswith("rampsF00.status now at DriveJobs.DBW322 (was DBW242)")
     assert first.span is not None
-    assert first.span.line == 4
+    assert first.span.line == 24
 
 
 def test_the_text_is_short_and_the_engine_closed(added: Comparison) -> None:
@@ -71,7 +72,7 @@ def test_markdown_is_short_and_github_has_one_annotation_for_each_job(added: Com
     assert [line.partition("::breaking: ")[2].partition(":")[0] for line in annotations] == [
         "actual, 20 drives", "ramps, 20 drives", 'DB "DriveJobs"',
     ]  # fmt: skip
-    assert ",line=4," in annotations[0]
+    assert ",line=24," in annotations[0]
 
 
 CHANGES = {
@@ -108,3 +109,13 @@ def test_sources_have_no_sentences(tmp_path: Path) -> None:
     (tmp_path / "b.scl").write_text('DATA_BLOCK "A"\nSTRUCT\n y : Int;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n')
     found = api.diff(tmp_path / "a.scl", tmp_path / "b.scl")
     assert (found.sentences, found.inside) == ((), frozenset())
+
+
+def test_code_of_a_job_of_which_nothing_else_is_told_is_open(tmp_path: Path) -> None:
+    """Which bit of a word is written is in no telegram: the block of that job stays open, that of the other is closed."""
+    old = PLANT.replace("P1121: }", "P1030.2: 1}")
+    found = compared(tmp_path, old, old.replace("P1030.2: 1", "P1030.3: 1").replace("[r21, r27]", "[r21]"))
+    assert 'FB "Actual"' in found.inside
+    shown_ = shown("text", found)
+    assert 'FB "Actual"\n' not in shown_
+    assert "P1030" in shown_ or 'FB "Ramps"\n' in shown_

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.base.files.files import read_bounded
 from plcgen.proof.folder import Folder
 from plcgen.proof.wording.model import Wording, agrees, stated_facts, unmarked
 from plcgen.s7.layout.image import image
@@ -20,7 +18,6 @@ EMPTY = "every signal of every job is a flag"
 """What stands at the only member of a control DB in which no job has anything."""
 _REMARK = re.compile(r"^(.*?)//(.*)$", re.MULTILINE)
 _ASSIGNED = re.compile(r"\s*(?P<path>[\w.\[\],\"]+) := .*?;(?:\s*// (?P<text>.*))?")
-MAX_SOURCE = 16 * 1024 * 1024
 _INTERFACE = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
 Way = tuple[str, ...]
 
@@ -43,20 +40,19 @@ def check_block(block: Block, folder: Folder, stated: Wording, *, english: bool)
             said = f'{".".join(path)} says "{member.comment}"' if member.comment else f"{'.'.join(path)} says nothing"
             yield _wrong(block, said, texts, member.span or place)
     yield from _remarks(block, stated, place, english=english)
-    yield from _assigned(block, stated, english=english)
+    yield from _assigned(block, folder, stated, english=english)
     yield from _starts(block, folder, stated, place)
-    yield from (_wrong(block, said, frozenset(), place) for said in _header(block, stated))
+    yield from (_wrong(block, said, frozenset(), place) for said in _header(block, folder, stated))
 
 
-def _header(block: Block, stated: Wording) -> Iterator[str]:
+def _header(block: Block, folder: Folder, stated: Wording) -> Iterator[str]:
     """Family and version, retentivity, versions of instructions."""
     version, wanted = block.attributes.get("VERSION"), stated.version(block)
     if version is not None and version.strip("'") != wanted:
         yield f"its version is {version}, not {wanted}"
     if block.attributes.get("FAMILY", stated.family) != stated.family:
         yield f"its family is {block.attributes['FAMILY']}, not {stated.family}"
-    classic = (block.span.file if block.span is not None else "").endswith(".scl")
-    if block.kind is BlockKind.DB and not classic and block.non_retain == stated.retains(block):
+    if block.kind is BlockKind.DB and folder.encoding != "cp1252" and block.non_retain == stated.retains(block):
         yield "keeps its values (RETAIN)" if not block.non_retain else "does not keep its values (NON_RETAIN)"
     library = stated.instructions()
     for section in block.sections if block.kind is BlockKind.FB else ():
@@ -102,13 +98,11 @@ def _remarks(block: Block, stated: Wording, place: Span, *, english: bool) -> It
             yield _wrong(block, f'no source for the comment "{text.strip()}"', frozenset(), place)
 
 
-def _assigned(block: Block, stated: Wording, *, english: bool) -> Iterator[Diagnostic]:
+def _assigned(block: Block, folder: Folder, stated: Wording, *, english: bool) -> Iterator[Diagnostic]:
     """What stands behind the start values below BEGIN; the model of a block has no place for it."""
     if block.kind is not BlockKind.DB or not block.assignments or block.span is None:
         return
-    data = read_bounded(Path(block.span.file), MAX_SOURCE)
-    lines = data.decode("cp1252" if block.span.file.endswith(".scl") else "utf-8-sig", "replace").splitlines()
-    for number, line in enumerate(lines, 1):
+    for number, line in enumerate(folder.text_of(block.name).splitlines(), block.span.line):
         found = _ASSIGNED.fullmatch(line)
         if found is None:
             continue

@@ -66,15 +66,17 @@ def compare_snapshots(
         blocks = [c for c in blocks if c.kind not in _DERIVED and not _is_twin(c, twins)]
         blocks = [dataclasses.replace(change, old_span=None, new_span=None) for change in blocks]
     told = sentences(old, new, changes)
-    inside = frozenset(each.subject for each in blocks if told and _is_inside(each.subject, old, new))
+    inside = _inside(old, new, {one.job for one in told}) if told else frozenset[str]()
+    inside &= {change.subject for change in blocks}
     return Comparison(old.label, new.label, (*changes, *blocks), diagnostics, len(new.blocks), told, inside)
 
 
-def _is_inside(subject: str, old: Snapshot, new: Snapshot) -> bool:
-    """Whether a subject is a function block or an instance of one: what changes there follows from the jobs."""
-    known = {block.title: block for block in (*old.blocks, *new.blocks)}
-    block = known.get(subject)
-    return block is not None and (block.kind == "FB" or bool(block.instance_of))
+def _inside(old: Snapshot, new: Snapshot, told: set[str]) -> frozenset[str]:
+    """Instances, and function blocks but for those of jobs of which nothing is told: what changes there follows."""
+    jobs = [*(old.jobs or {}).values(), *(new.jobs or {}).values()]
+    silent = {job.block for job in jobs} - {job.block for job in jobs if job.group in told}
+    blocks = (block for side in (old, new) for block in side.blocks)
+    return frozenset(b.title for b in blocks if b.instance_of or (b.kind == "FB" and b.name not in silent))
 
 
 def _is_twin(change: Change, names: frozenset[str]) -> bool:

@@ -117,7 +117,7 @@ class JobState:
     """One job of a spec; ``timing`` and ``trigger`` are names with their values as text.
 
     ``group`` is what jobs of several drives have in common, ``items`` what they do, ``place`` the data block and the
-    member in which the caller finds the job. A lock keeps none of these.
+    member in which the caller finds the job, ``block`` its function block. A lock keeps none of these.
     """
 
     key: str
@@ -129,6 +129,7 @@ class JobState:
     group: str = field(default="", compare=False)
     items: tuple[JobItem, ...] = field(default=(), compare=False)
     place: tuple[str, str] = field(default=("", ""), compare=False)
+    block: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True, slots=True)
