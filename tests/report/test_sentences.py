@@ -112,7 +112,7 @@ def test_sources_have_no_sentences(tmp_path: Path) -> None:
 
 
 def test_code_of_a_job_of_which_nothing_else_is_told_is_open(tmp_path: Path) -> None:
-    """Which bit of a word is written is in no telegram: the block of that job stays open, that of the other is closed."""
+    """Which bit of a word is written is in no telegram: the block of that job stays open."""
     old = PLANT.replace("P1121: }", "P1030.2: 1}")
     found = compared(tmp_path, old, old.replace("P1030.2: 1", "P1030.3: 1").replace("[r21, r27]", "[r21]"))
     assert 'FB "Actual"' in found.inside
