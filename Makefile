@@ -73,6 +73,7 @@ examples: $(READY)
 	  $(BIN)/plcgen generate specs/$$name.yaml --out $$out --force --quiet || exit 1; \
 	  test $$out = examples/$$name/expected || cp $$out/manifest.json examples/$$name/ || exit 1; \
 	done
+	@$(BIN)/python -m tests.build.versions
 
 # Every line of every example that differs from what the commit BASE generates.
 BASE ?= HEAD
