@@ -9,7 +9,7 @@ READY := $(VENV)/.ready
 unexport PYTHONDONTWRITEBYTECODE
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
-.PHONY: demo test fast coverage lint hostile bench house pairs engine mutate deletions beliefs damages examples example-diff docs site pictures lock clean
+.PHONY: demo test fast coverage lint hostile fuzz bench house pairs engine mutate deletions beliefs damages examples example-diff docs site pictures lock clean
 
 demo: $(READY)
 	$(BIN)/plcgen demo .demo
@@ -33,6 +33,10 @@ lint: $(READY)
 # Every character that is none of a text, at every place of every file in which a text may stand.
 hostile: $(READY)
 	PLCGEN_HOSTILE=1 $(BIN)/python -m pytest -q -n auto --dist worksteal tests/test_every_text.py tests/test_wrong_shapes.py tests/test_injections.py
+
+# Damaged packets for both ends of PROFINET's records.
+fuzz: $(READY)
+	PLCGEN_FUZZ=100000 $(BIN)/python -m pytest -q tests/ds47/live/test_pn_fuzz.py
 
 bench: $(READY)
 	$(BIN)/python -m tests.bench

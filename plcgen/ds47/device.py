@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args
 
@@ -337,6 +337,12 @@ class Device:
         if pnu in UNLISTED or not all(one.whole for one in those) or any(one.rows(pnu) for one in those):
             return ()
         return tuple(dict.fromkeys(lists.source(one.name) for one in those))
+
+    def listed(self, object_type: str) -> Sequence[int]:
+        """Every number that lists name for a type of drive object; the catalogue's if the device has no lists."""
+        those = _candidates(self.lists, object_type)
+        found = {number for one in those for number in lists.numbers(one.name) if one.rows(number)}
+        return sorted(found or self.parameters)
 
     def danger(self, pnu: int, values: Collection[object] | None = None, object_type: str = "") -> str:
         """Why a write of these values needs a sign-off, whatever a spec says about the parameter; empty if it needs

@@ -73,34 +73,51 @@ def run_tshark(program: str, records: Sequence[WireRecord]) -> list[tuple[Dissec
     Raises:
         WiresharkError: if ``tshark`` cannot be run.
     """
+    shown = dissect(program, capture(records))
+    found = [
+        Dissected(tuple((name.removeprefix(PROFIDRIVE), text) for name, text in frame if name.startswith(PROFIDRIVE)))
+        for frame in shown
+    ]
+    if len(found) != 4 * len(records):
+        raise WiresharkError(f"tshark shows {len(found)} frames of {4 * len(records)}")
+    return [(found[at], found[at + 3]) for at in range(0, len(found), 4)]
+
+
+def dissect(program: str, data: bytes) -> list[list[tuple[str, str]]]:
+    """Every field of every frame of a capture, name and value in order. Raises WiresharkError."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "records.pcap"
-        path.write_bytes(capture(records))
+        path.write_bytes(data)
         command = [program, "-n", "-r", str(path), "-T", "json"]
         try:
             done = subprocess.run(command, capture_output=True, timeout=TIME, check=True)  # noqa: S603 - tshark, too
             packets = json.loads(done.stdout, object_pairs_hook=list)
         except (OSError, subprocess.SubprocessError, ValueError) as problem:
             raise WiresharkError(f"tshark failed: {problem}") from problem
-    found = [Dissected(tuple(_fields(packet))) for packet in packets]
-    if len(found) != 4 * len(records):
-        raise WiresharkError(f"tshark shows {len(found)} frames of {4 * len(records)}")
-    return [(found[at], found[at + 3]) for at in range(0, len(found), 4)]
+    return [list(_fields(packet)) for packet in packets]
 
 
 def capture(records: Iterable[WireRecord]) -> bytes:
     """A capture file: four frames a record, request and response of a write and of a read."""
+    return datagrams(_calls(records))
+
+
+def datagrams(sent: Iterable[tuple[bool, bytes]]) -> bytes:
+    """A capture file of UDP datagrams on the port of PROFINET, each with whether it is an answer."""
     out = [struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 0xFFFF, 1)]
+    for at, (response, data) in enumerate(sent):
+        frame = _frame(data, response=response)
+        out.append(struct.pack("<IIII", at // 1000, at % 1000, len(frame), len(frame)) + frame)
+    return b"".join(out)
+
+
+def _calls(records: Iterable[WireRecord]) -> Iterator[tuple[bool, bytes]]:
     for number, record in enumerate(records):
         done = _header(0x8009, record.index, len(record.answer)) + record.answer
-        calls = (
-            _frame(number * 2, _WRITE, _header(0x0008, record.index, len(record.request)) + record.request),
-            _frame(number * 2, _WRITE, _header(0x8008, record.index, 0), response=True),
-            _frame(number * 2 + 1, _READ, _header(0x0009, record.index, 240)),
-            _frame(number * 2 + 1, _READ, done, response=True),
-        )
-        out += [struct.pack("<IIII", number, at, len(frame), len(frame)) + frame for at, frame in enumerate(calls)]
-    return b"".join(out)
+        yield _call(number * 2, _WRITE, _header(0x0008, record.index, len(record.request)) + record.request)
+        yield _call(number * 2, _WRITE, _header(0x8008, record.index, 0), response=True)
+        yield _call(number * 2 + 1, _READ, _header(0x0009, record.index, 240))
+        yield _call(number * 2 + 1, _READ, done, response=True)
 
 
 def _header(block: int, index: int, length: int) -> bytes:
@@ -109,26 +126,29 @@ def _header(block: int, index: int, length: int) -> bytes:
     return start + bytes(64 - len(start))
 
 
-def _frame(call: int, operation: int, blocks: bytes, *, response: bool = False) -> bytes:
-    """Ethernet, IP, UDP, DCE/RPC, and the array of bytes that all PROFINET operations have."""
+def _call(call: int, operation: int, blocks: bytes, *, response: bool = False) -> tuple[bool, bytes]:
+    """DCE/RPC, and the array of bytes that all PROFINET operations have."""
     status_or_maximum = 0 if response else len(blocks)
     body = struct.pack("<IIIII", status_or_maximum, len(blocks), len(blocks), 0, len(blocks)) + blocks
     rpc = struct.pack("<BBBB", 4, 2 if response else 0, 0x20, 0) + _LITTLE_ENDIAN + b"\0"
     rpc += _OBJECT + _INTERFACE + _ACTIVITY
-    rpc += struct.pack("<IIIHHHHHBB", 0, 1, call, operation, 0xFFFF, 0xFFFF, len(body), 0, 0, 0) + body
+    return response, rpc + struct.pack("<IIIHHHHHBB", 0, 1, call, operation, 0xFFFF, 0xFFFF, len(body), 0, 0, 0) + body
+
+
+def _frame(data: bytes, *, response: bool) -> bytes:
+    """Ethernet, IP and UDP around a datagram."""
     here, there = (b"\x0a\0\0\1", b"\x0a\0\0\2") if not response else (b"\x0a\0\0\2", b"\x0a\0\0\1")
-    udp = struct.pack(">HHHH", _PORT, _PORT, 8 + len(rpc), 0) + rpc
+    udp = struct.pack(">HHHH", _PORT, _PORT, 8 + len(data), 0) + data
     ip = struct.pack(">BBHHHBBH4s4s", 0x45, 0, 20 + len(udp), 0, 0, 64, 17, 0, here, there) + udp
     return bytes(6) + b"\2\0\0\0\0\1" + b"\x08\0" + ip
 
 
 def _fields(node: Any) -> Iterator[tuple[str, str]]:
-    """Every PROFIdrive field below a node of the JSON, in order; objects are lists of pairs."""
+    """Every field below a node of the JSON, in order; objects are lists of pairs."""
     if not isinstance(node, list):
         return
     for item in node:
         if isinstance(item, tuple) and isinstance(item[1], str):
-            if item[0].startswith(PROFIDRIVE):
-                yield item[0].removeprefix(PROFIDRIVE), item[1]
+            yield item
         else:
             yield from _fields(item[1] if isinstance(item, tuple) else item)

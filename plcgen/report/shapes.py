@@ -239,12 +239,19 @@ def _catalogue() -> Shape:
 
 def _live() -> dict[str, Shape]:
     read = record(parameter=TEXT, value=maybe(TEXT), unit=TEXT, bytes=TEXT, type=TEXT, title=TEXT)
-    row = record(subject=TEXT, place=TEXT, wanted=TEXT, found=TEXT, verdict=TEXT, why=TEXT)
+    row = record(subject=TEXT, place=TEXT, wanted=TEXT, found=TEXT, verdict=TEXT, why=TEXT, title=TEXT, unit=TEXT)
+    message = record(code=TEXT, title=TEXT, value=TEXT, case=NUMBER)
+    written = record(parameter=TEXT, title=TEXT, unit=TEXT, before=TEXT, wanted=TEXT, now=TEXT)
+    at = {"address": TEXT, "drive_object": NUMBER}
+    saved = {**at, "file": TEXT, "parameters": NUMBER, "refused": many(TEXT)}
     compared = {"rows": many(row), "skipped": many(TEXT)}
     return {
         "live compare": _headed("live compare", FOUND, compared),
         "live db": _headed("live db", FOUND, compared),
-        "live read": _headed("live read", FOUND, {"address": TEXT, "drive_object": NUMBER, "parameters": many(read)}),
+        "live read": _headed("live read", FOUND, {**at, "parameters": many(read)}),
+        "live faults": _headed("live faults", FOUND, {**at, "messages": many(message)}),
+        "live backup": _headed("live backup", FOUND, saved),
+        "live write": _headed("live write", FOUND, {**at, "parameters": many(written)}),
     }
 
 

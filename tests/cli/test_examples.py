@@ -48,7 +48,7 @@ def test_an_example_parses(example: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "example", [one for one in EXAMPLES if RUN.match(f"{one} ") and not re.search(r"\.(yaml|json|txt)\b", one)]
+    "example", [one for one in EXAMPLES if RUN.match(f"{one} ") and not re.search(r"\.(yaml|json|txt)\b|pn://", one)]
 )
 def test_an_example_without_files_runs(plcgen, monkeypatch, example: str) -> None:
     """A drive that answers zeros stands behind ``live read``: what is asked for has to be known, at least."""

@@ -68,7 +68,7 @@ def test_every_output_has_a_force() -> None:
     assert {verb for verb, own in options.items() if "--output" in own} == set(WRITES)
     assert all("--force" in options[verb] for verb in WRITES)
     assert {verb for verb, own in options.items() if "--force" in own} - set(WRITES) == {
-        "new", "generate", "texts", "convert", "catalogue import",
+        "new", "generate", "texts", "convert", "catalogue import", "live backup",
     }  # fmt: skip
 
 

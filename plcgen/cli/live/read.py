@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.cli.arguments import Argument, arguments
-from plcgen.cli.live.places import read_partner, timeout_option
+from plcgen.cli.live.places import (
+    PN,
+    drive_option,
+    object_number,
+    object_options,
+    open_drive,
+    read_address,
+    timeout_option,
+)
 from plcgen.cli.options import device_option, format_option, verb
 from plcgen.cli.ppi.connection import ask
 
@@ -26,42 +34,51 @@ _MOST = 1000
     "read",
     "plcgen live read P1120 r0945[0..3] --drive 192.168.0.5 --device sinamics-g120",
     "plcgen live read r0052:Unsigned16 --drive 192.168.0.5 --do 2",
+    "plcgen live read r0052 --port pn://192.168.0.5 --do 2",
 )
 @click.argument("words", nargs=-1, required=True, metavar="PARAMETER...")
-@click.option("--drive", "host", required=True, metavar="ADDRESS", help="IPv4 address of the drive, or ADDRESS:PORT.")
+@drive_option()
 @device_option("Device profile: types, limits, drive object.")
-@click.option("--do", "number", type=click.IntRange(0, 255), metavar="N", help="Drive object.  [default: by device, 1]")
+@object_options
 @timeout_option
 @format_option("answer")
 def command(
-    *, words: tuple[str, ...], host: str, device: str | None, number: int | None, timeout: float, format_: OutputFormat
+    *,
+    words: tuple[str, ...],
+    host: str,
+    device: str | None,
+    number: int | None,
+    timeout: float,
+    format_: OutputFormat,
 ) -> int:
-    """Read parameters of a SINAMICS drive on PROFINET over the S7 protocol, as an HMI does.
+    """Read parameters of a drive over the S7 protocol, as an HMI does, or with pn:// over PROFINET, where a read is a
+    request that is written as a record.
 
     A type after a colon says how to read the bytes: r0052:Unsigned16. Without one it comes from the catalogue: of
-    --device, or of all devices if those that know the number agree. Each element is one request.
+    --device, or of all devices if those that know the number agree. On PROFINET the drive says its type itself.
     """
-    where = read_partner(host, "--drive")
+    where = read_address(host)
 
     def question() -> Answer:
         from plcgen.ds47.devices import find_device
-        from plcgen.ds47.live.connection import S7Connection
-        from plcgen.ds47.live.parameters import read_parameter
 
         known = find_device(device) if device else None
-        chosen = [_wanted(word, known) for word in arguments(words)]
+        chosen = [_wanted(word, known, typed=host.startswith(PN)) for word in arguments(words)]
         if sum(len(indexes) for _, indexes in chosen) > _MOST:
             raise click.UsageError(f"these are more than {_MOST} elements: read fewer at once")
-        object_ = number if number is not None else known.drive_object if known else 1
-        with S7Connection(where, timeout) as reader:
-            found = [one for wanted, indexes in chosen for one in read_parameter(reader, wanted, indexes, object_)]
+        object_ = object_number(number, known)
+        with open_drive(where, timeout, known) as reader:
+            found = list(reader.read(chosen, object_))
         return _answer(str(where), object_, found)
 
     return ask(format_, "live read", words, question)
 
 
-def _wanted(word: Argument, device: Device | None) -> tuple[Parameter, Sequence[int]]:
-    """Parameter and indexes of a word. Raises DiagnosticError that points at it."""
+def _wanted(word: Argument, device: Device | None, *, typed: bool) -> tuple[Parameter, Sequence[int]]:
+    """Parameter and indexes of a word; ``typed`` if the drive says its type itself.
+
+    Raises DiagnosticError that points at the word.
+    """
     from dataclasses import replace
 
     from plcgen.ds47.device import Parameter
@@ -76,7 +93,7 @@ def _wanted(word: Argument, device: Device | None) -> tuple[Parameter, Sequence[
     first, last = reference.first or 0, reference.last or 0
     if last < first or last >= OBJECT_STEP:
         raise word.problem("PG203", f"{text}: indexes go from 0 to {OBJECT_STEP - 1}", "write the lower one first")
-    parameter = _known(word, text, reference.name, reference.pnu, device, typed=bool(type_))
+    parameter = _known(word, text, reference.name, reference.pnu, device, typed=typed or bool(type_))
     if type_:
         try:
             read_type(type_)
@@ -86,8 +103,7 @@ def _wanted(word: Argument, device: Device | None) -> tuple[Parameter, Sequence[
         limits = {} if type_.lower() == base.type.lower() else {"minimum": None, "maximum": None, "bico": False}
         grades = {**base.grades, "type": "read"}
         parameter = replace(base, type=type_, grades=grades, **limits)  # type: ignore[arg-type]
-    assert parameter is not None  # noqa: S101 - _known raises unless there is a type
-    return parameter, range(first, last + 1)
+    return parameter or Parameter(reference.pnu or 0, ""), range(first, last + 1)
 
 
 def _known(

@@ -42,7 +42,15 @@ class Listed:
 
 @lru_cache(maxsize=16)
 def _text(name: str) -> str:
-    return "\n" + (FOLDER / f"{name}.tsv").read_text("utf-8")
+    return (FOLDER / f"{name}.tsv").read_text("utf-8")
+
+
+@lru_cache(maxsize=16)
+def _lines(name: str) -> Mapping[int, Sequence[str]]:
+    found: dict[int, list[str]] = {}
+    for line in filter(None, _text(name).split("\n")[2:]):
+        found.setdefault(int(line.partition("\t")[0]), []).append(line)
+    return found
 
 
 def names() -> Sequence[str]:
@@ -50,9 +58,14 @@ def names() -> Sequence[str]:
     return sorted(path.stem for path in FOLDER.glob("*.tsv"))
 
 
+def numbers(name: str) -> Sequence[int]:
+    """The parameters that a list has."""
+    return sorted(_lines(name))
+
+
 def source(name: str) -> str:
     """What a list is."""
-    return _text(name)[1:].partition("\n")[0].removeprefix("# ").removesuffix(", facts only")
+    return _text(name).partition("\n")[0].removeprefix("# ").removesuffix(", facts only")
 
 
 def value_name(text: str) -> str:
@@ -83,17 +96,12 @@ def _number(text: str) -> float:
 
 def search(name: str, words: Sequence[str]) -> list[int]:
     """The numbers of a list whose titles have all of some words, or parts of words, in the order of the list."""
-    lines = _text(name).splitlines()[3:]
-    rows = (line.split("\t", 4) for line in lines)
+    rows = (line.split("\t", 4) for lines in _lines(name).values() for line in lines)
     return [int(row[0]) for row in rows if all(word.casefold() in row[3].casefold() for word in words)]
 
 
 def find(name: str, number: int) -> Sequence[Listed]:
     """What a list says of a number; empty if it does not have it."""
-    text, found = _text(name), []
-    at = text.find(f"\n{number}\t")
-    while at >= 0:
-        fields = text[at + 1 : text.find("\n", at + 1)].split("\t")
-        found.append(Listed(dict(zip(COLUMNS, fields + [""] * (len(COLUMNS) - len(fields)), strict=True))))
-        at = text.find(f"\n{number}\t", at + 1)
-    return found
+    rows = (line.split("\t") for line in _lines(name).get(number, ()))
+    padded = (fields + [""] * (len(COLUMNS) - len(fields)) for fields in rows)
+    return [Listed(dict(zip(COLUMNS, fields, strict=True))) for fields in padded]

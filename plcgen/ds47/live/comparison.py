@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from plcgen.ds47 import guards
 from plcgen.ds47.live.connection import Reader, ReadRefusedError
-from plcgen.ds47.live.parameters import ElementReading, element_value, read_parameter
+from plcgen.ds47.live.parameters import ElementReading, ParameterReader, element_value
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan
 from plcgen.ds47.wire.formats import FormatKind
@@ -18,7 +18,9 @@ EQUAL, DEVIATES, INPUT, UNREAD, TOLD = "equal", "deviates", "input", "not read",
 
 @dataclass(frozen=True, slots=True)
 class LiveRow:
-    """One comparison: of what, where, what the spec wants, what was found, the verdict and why."""
+    """One comparison: of what, where, what is wanted, what was found, the verdict and why; of a parameter its title and
+    unit, too.
+    """
 
     subject: str
     place: str
@@ -26,9 +28,18 @@ class LiveRow:
     found: str
     verdict: str
     why: str = ""
+    title: str = ""
+    unit: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """What a row that deviates says to people."""
+        unit = f" {self.unit}" if self.unit else ""
+        called = f"{self.title}: " if self.title else ""
+        return f"{called}{self.found}{unit}, not {self.wanted}{unit} ({self.place})" if self.found else self.why
 
 
-def compare_drives(plan: DrivePlan, readers: Mapping[str, Reader]) -> Iterator[LiveRow]:
+def compare_drives(plan: DrivePlan, readers: Mapping[str, ParameterReader]) -> Iterator[LiveRow]:
     """Every value that a job writes or compares, against the drive; only drives with a reader are asked.
 
     A constant has to be in the drive. The value of an input is told, without a verdict; what starts something or is
@@ -43,10 +54,11 @@ def compare_drives(plan: DrivePlan, readers: Mapping[str, Reader]) -> Iterator[L
                 yield from _use(job, use, reader)
 
 
-def _use(job: DriveJob, use: Use, reader: Reader) -> Iterator[LiveRow]:
+def _use(job: DriveJob, use: Use, reader: ParameterReader) -> Iterator[LiveRow]:
     step = use.format.size
     indexes = range(use.subindex, use.subindex + use.count)
-    for at, found in enumerate(read_parameter(reader, use.parameter, indexes, job.drive.drive_object)):
+    about = (use.parameter.title, use.parameter.unit)
+    for at, found in enumerate(reader.read([(use.parameter, indexes)], job.drive.drive_object)):
         data = use.data[at * step : (at + 1) * step]
         if use.bits:
             yield from _bits(job, use, found)
@@ -55,7 +67,7 @@ def _use(job: DriveJob, use: Use, reader: Reader) -> Iterator[LiveRow]:
         label = use.label.partition("[")[0] + (f"[{found.index}]" if use.first is not None else "")
         verdict = _verdict(use, data, found)
         shown = found.text or found.data.hex(" ").upper()
-        yield LiveRow(f"{job.drive.key} {label}", job.key, wanted, shown, verdict, found.doubt)
+        yield LiveRow(f"{job.drive.key} {label}", job.key, wanted, shown, verdict, found.doubt, *about)
 
 
 def _bits(job: DriveJob, use: Use, found: ElementReading) -> Iterator[LiveRow]:
@@ -64,7 +76,8 @@ def _bits(job: DriveJob, use: Use, found: ElementReading) -> Iterator[LiveRow]:
         wanted, there = any(one.data), bool(int.from_bytes(found.data) >> (one.bit or 0) & 1)
         verdict = UNREAD if found.doubt else INPUT if not one.constant else EQUAL if wanted == there else DEVIATES
         shown = str(int(there)) if not found.doubt else found.text or found.data.hex(" ").upper()
-        yield LiveRow(f"{job.drive.key} {one.label}", job.key, str(int(wanted)), shown, verdict, found.doubt)
+        title = use.parameter.title
+        yield LiveRow(f"{job.drive.key} {one.label}", job.key, str(int(wanted)), shown, verdict, found.doubt, title)
 
 
 def _verdict(use: Use, wanted: bytes, found: ElementReading) -> str:

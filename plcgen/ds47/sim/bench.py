@@ -46,18 +46,23 @@ def build_unit(
 ) -> Drive:
     """A unit with the parameters that are used of each of its drive objects."""
     objects = [DriveObject(number, _parameters(used, distinct=distinct)) for number, used in uses.items()]
-    behaviour = Behaviour(
+    local = objects[0].number if len(objects) == 1 else None
+    return Drive(behaviour_of(device, local), objects, faults)
+
+
+def behaviour_of(device: Device, local_object: int | None = None) -> Behaviour:
+    """How the device of a profile behaves; ``local_object`` is the one that record B02Eh addresses."""
+    return Behaviour(
         error_words=device.error_words,
         answer_format=device.answer_format,
         record_indexes=tuple(device.record_index.values()),
-        local_object=objects[0].number if len(objects) == 1 else None,
+        local_object=local_object,
         max_parameters=device.max_parameters,
         max_elements=device.max_elements,
         record_limit=device.record_limit,
         strict_length=device.strict_length,
         error_table=device.error_table,
     )
-    return Drive(behaviour, objects, faults)
 
 
 def _parameters(uses: Iterable[Use], *, distinct: bool) -> dict[int, SimulatedParameter]:

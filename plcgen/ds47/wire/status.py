@@ -121,3 +121,24 @@ def explain_word(word: int, direction: Direction | None = None) -> Status:
 def explain_codes(word: int) -> Status:
     """Explain the lower word of a STATUS, Error_Code_1 and Error_Code_2: E102h, B500h."""
     return explain_status(0x80 << 16 | word)
+
+
+@cache
+def _pnio() -> dict[str, dict[int, str]]:
+    path = Path(__file__).parent / "data" / "pnio_status.toml"
+    tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    return {name: {int(key, 16): text for key, text in table.items()} for name, table in tables.items()}
+
+
+def explain_pnio(value: int) -> str:
+    """What a PNIO status other than 0 means, as PROFINET answers it: a record's is that of WRREC or RDREC."""
+    function_num, decode, code1, code2 = value.to_bytes(4, "big")
+    if decode != 0x81:
+        return explain_status(value).text
+    tables = _pnio()
+    if code1 == 0x40:
+        return tables["cmrpc"].get(code2, f"its part for calls has the error {code2:02X}h")
+    if code1 in tables["faulty"]:
+        return f"field {code2} of the {tables['faulty'][code1]} is not what it accepts"
+    service = tables["service"].get(function_num, f"service {function_num:02X}h")
+    return f"error {code1:02X}h {code2:02X}h of the {service}"

@@ -322,7 +322,7 @@ def test_rack_and_slot_of_a_drive():
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("r65000",), "there is no type of any device for r65000"),
+        (("r64999",), "there is no type of any device for r64999"),
         (("r21[1024]",), "from 0 to 1023"),
         (("P1120:Real99",), "Real99"),
         (("actual_speed",), "names belong to a device"),

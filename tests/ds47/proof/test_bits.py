@@ -9,6 +9,7 @@ import pytest
 from plcgen import api
 from plcgen.ds47.live.comparison import compare_drives
 from plcgen.ds47.live.connection import Reader
+from plcgen.ds47.live.parameters import S7Parameters
 from plcgen.ds47.proof.plant import Plant
 from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.ds47.sheet import review_sheet
@@ -164,7 +165,7 @@ def test_live_compares_bits_alone(generate) -> None:
     """8A5Fh has bit 3: of the job that sets it nothing deviates, 8A57h does not have it."""
     made = generate(SPEC, "t15")
     for data, verdict in (("8a5f0000", "equal"), ("8a570000", "deviates")):
-        rows = list(compare_drives(made.plan, {"axis": Answers(bytes.fromhex(data))}))
+        rows = list(compare_drives(made.plan, {"axis": S7Parameters(Answers(bytes.fromhex(data)))}))
         one = [row for row in rows if row.place == "one"]
         assert [(row.subject, row.wanted, row.verdict) for row in one] == [("axis P2900.3", "1", verdict)]
         inputs = [row.verdict for row in rows if row.subject == "axis P2901[2].31"]
