@@ -95,12 +95,14 @@ class Poll:
 
     Times in ms: ``interval`` from one to the next, ``limit`` for all of them, counted from the answer to the telegram
     in front of it; ``distance`` is how long after that telegram was handed over the job refuses to start again, 0 if it
-    never does.
+    never does. ``effect`` is what it waits for: that the drive has saved what the ``object`` or the whole ``unit`` has,
+    or has acknowledged its ``faults``.
     """
 
     interval: int
     limit: int
     distance: int
+    effect: str = ""
 
     @property
     def saves(self) -> bool:
@@ -132,6 +134,8 @@ class JobKind:
     itself would say of each; ``bits``: an item may be a bit of a word;
     ``read_back``: a job may have ``verify: readback`` and ``on_error``; ``sets_clock`` says what it does;
     ``unfit`` says what is wrong with the first access, whose parameter is this one, on a device with these parameters.
+    ``runs_on`` are parameters of it that are not what was written when they are read, and why; ``instead`` says of a
+    parameter that a drive object does not have which other one may do, and what that does.
     ``place`` orders the kinds in tables and messages; ``follows``: it may stand beside a kind that reads back, and
     comes behind it; a value that is ``void`` says nothing beside a kind that writes. ``verb`` and ``subject`` are what
     the title says in place of the key and the parameters; ``title`` is the one line that its block says of itself
@@ -159,6 +163,8 @@ class JobKind:
     unfit: Callable[[ReadItem | WriteItem, Parameter | None, Mapping[int, Parameter], str], Unfit | None] | None = None
     sets_clock: bool = False
     place: int = 1000
+    runs_on: Mapping[int, str] = field(default_factory=dict)
+    instead: Mapping[int, tuple[int, str]] = field(default_factory=dict)
     follows: bool = False
     void: Callable[[Any], bool] | None = None
     verb: str = ""

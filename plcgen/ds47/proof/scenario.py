@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.clocked import Moment
 from plcgen.ds47.sim.drive import Drive
 from plcgen.ds47.sim.faults import Fault
@@ -110,3 +111,16 @@ class DriveScenario(Scenario):
     delivers: Mapping[tuple[int, int], bytes] = field(default_factory=dict)
     checked: bool = True
     again: int | None = 0
+
+
+@dataclass(frozen=True, slots=True)
+class KindScenarios:
+    """What is tried with a job of one kind, besides what is tried with every job; the lowest ``precedence`` first.
+
+    ``make`` gets the scans of a good run. ``around`` changes what is tried with every job for one of this kind.
+    """
+
+    precedence: int
+    has: Callable[[DriveJob], bool]
+    make: Callable[[DriveJob, int], Iterator[DriveScenario]]
+    around: Callable[[DriveJob, Iterable[DriveScenario]], Iterator[DriveScenario]] | None = None

@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain
 
 from plcgen.base.diagnostics.counting import shortlist
 from plcgen.ds47.plan.access import Part
 from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
-from plcgen.ds47.proof.clocking import clocking
-from plcgen.ds47.proof.comparing import comparing
-from plcgen.ds47.proof.listing import listing
 from plcgen.ds47.proof.points import FEW, ends, fault, positions, replaced_values, value_at
-from plcgen.ds47.proof.recipes import recipes
-from plcgen.ds47.proof.restoring import restored, restoring
 from plcgen.ds47.proof.rig import VALUE_SETS
-from plcgen.ds47.proof.saving import saving
 from plcgen.ds47.proof.scenario import DriveScenario, Edit
 from plcgen.ds47.proof.stepped import triggers
-from plcgen.ds47.proof.stepping import refused, stepping
-from plcgen.ds47.proof.verifying import verifying
 from plcgen.ds47.proof.words import WORDS
+from plcgen.ds47.registry import brought
 from plcgen.ds47.wire import formats
 from plcgen.ds47.wire.formats import Format, padded
 
@@ -49,15 +43,15 @@ def patient(job: DriveJob) -> bool:
 
 def fault_matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
     """All of it; ``scans`` is how long a good run takes, ``longest`` how many bytes a record may have."""
-    if job.restores:
-        yield from restored(job, _matrix(job, scans, longest))
-        yield from restoring(job)
-    else:
-        yield from _matrix(job, scans, longest)
+    own = sorted((one for one in brought("scenarios", "SCENARIOS") if one.has(job)), key=lambda one: one.precedence)
+    found = chain(_matrix(job, scans, longest), *(one.make(job, scans) for one in own if one.around is None))
+    for one in (one for one in own if one.around is not None):
+        found = chain(one.around(job, found), one.make(job, scans))
+    yield from found
 
 
 def _matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
-    """What every job has, and what is that of its kind."""
+    """What is tried with every job."""
     yield from _values()
     yield from _refusals(job)
     if not job.writes and not job.whole and not job.waits:
@@ -65,22 +59,6 @@ def _matrix(job: DriveJob, scans: int, longest: int) -> Iterator[DriveScenario]:
     yield from _blocks(job, longest)
     yield from _record_calls(job)
     yield from _signals(job, scans)
-    if job.verified:
-        yield from verifying(job)
-    if job.poll is not None:
-        yield from saving(job, job.poll)
-    if job.messages is not None:
-        yield from listing(job)
-    if job.deviations is not None:
-        yield from comparing(job)
-    if job.in_steps:
-        yield from refused()
-    if job.waits:
-        yield from stepping(job, scans)
-    if job.clock is not None:
-        yield from clocking(job)
-    if job.recipe is not None:
-        yield from recipes(job, job.recipe.count)
 
 
 def _values() -> Iterator[DriveScenario]:

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, Severity, Span
-from plcgen.ds47.kinds.save import SAVES
 from plcgen.ds47.objects import CONTROL_UNIT_TYPE, singular, spoken
+from plcgen.ds47.registry import kinds
 from plcgen.ds47.rules.places import parameter_span, value_span
 from plcgen.ds47.wire.bico import SELF, BicoSource, read_bico
 from plcgen.project.rules.places import key_or_value
@@ -100,14 +100,15 @@ def _missing(plan: DrivePlan, job: DriveJob, needed: _Needed, *, sure: bool) -> 
 def _helps(plan: DrivePlan, job: DriveJob, needed: _Needed) -> Iterator[str]:
     device, pnu = job.drive.device, needed.pnu
     control = device.object_types.control_unit if device.object_types is not None else 0
-    if pnu == SAVES["unit"] and not device.lacks(SAVES["drive_object"], needed.object_type):
-        yield f"save: drive_object saves what {job.drive.key} has"
+    for other, does in (kind.instead[pnu] for kind in kinds() if pnu in kind.instead):
+        if not device.lacks(other, needed.object_type):
+            yield does.format(drive=job.drive.key)
     others = (one for one in plan.drives if one.unit is job.drive.unit and one.drive_object != needed.drive_object)
-    other = next((one for one in others if not device.lacks(pnu, one.object_type)), None)
+    its = next((one for one in others if not device.lacks(pnu, one.object_type)), None)
     if needed.source is not None and not device.lacks(pnu, CONTROL_UNIT_TYPE):
         yield f"{replace(needed.source, drive_object=control)} is that of the control unit"
-    elif other is not None:
-        yield f'"{other.key}" of the same unit has it'
+    elif its is not None:
+        yield f'"{its.key}" of the same unit has it'
     elif (known := device.find(pnu)) is not None and known.objects == {CONTROL_UNIT_TYPE}:
         yield f"add the control unit to the unit as a drive, with drive_object: {control}"
     yield f"if drive object {needed.drive_object} is no {singular(needed.object_type)}, say what it is: object_type"

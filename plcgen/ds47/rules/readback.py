@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic
 from plcgen.ds47 import guards
-from plcgen.ds47.kinds.clock import UTC
 from plcgen.ds47.plan.access import Verify
-from plcgen.ds47.registry import kind_called
+from plcgen.ds47.registry import kind_called, kinds
 from plcgen.ds47.rules.places import of_drive, on_any_drive, parameter_span
 
 if TYPE_CHECKING:
@@ -32,8 +31,9 @@ def readable(plan: DrivePlan) -> Iterator[Diagnostic]:
 def _why_not(parameter: Parameter) -> str:
     if parameter.access == "w":
         return "it can only be written"
-    if parameter.pnu == UTC[-1]:
-        return "it is a time, which keeps running"
+    why = next((kind.runs_on[parameter.pnu] for kind in kinds() if parameter.pnu in kind.runs_on), "")
+    if why:
+        return why
     return "the drive sets it back automatically" if parameter.pnu in guards.SET_BACK else ""
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import operator
 
 from plcgen.ds47.kind import Wait
-from plcgen.ds47.kinds.activate import ACTIVATES
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.sim.parameters import DriveObject
@@ -21,17 +20,20 @@ def let_come(item: DriveObject, job: DriveJob, step: int) -> None:
     for use in job.uses:
         if use.step == step and use.as_(Wait):
             values = item.parameters[use.parameter.pnu].values
-            values[use.subindex] = _come(use, values[use.subindex], item)
+            values[use.subindex] = _come(use, values[use.subindex], item, job.uses[0].parameter.pnu)
 
 
-def _come(use: Use, value: Value, item: DriveObject) -> Value:
-    """A value as it is if it will do, else the one that is compared with or its neighbour."""
+def _come(use: Use, value: Value, item: DriveObject, first: int) -> Value:
+    """A value as it is if it will do, else the one that is compared with or its neighbour.
+
+    ``first`` is the parameter that the job writes first.
+    """
     awaited, fmt = use.as_(Wait), use.format
     wanted = unpack_values(fmt, 1, use.data)[0]
     if awaited is None:
         return value
     if awaited.follows:  # a drive object is active if it has been told so (1), and is not otherwise (0, 2)
-        return int(item.parameters[ACTIVATES].values[0] == 1)
+        return int(item.parameters[first].values[0] == 1)
     if awaited.bit is not None:
         mask = 1 << awaited.bit
         own = int.from_bytes(pack_values(fmt, [value])) & ~mask

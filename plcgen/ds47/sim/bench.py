@@ -7,8 +7,6 @@ from collections.abc import Iterable, Mapping
 from plcgen.ds47.device import Device
 from plcgen.ds47.device import Parameter as CatalogueParameter
 from plcgen.ds47.kind import Poll
-from plcgen.ds47.kinds.acknowledge import ACKNOWLEDGES
-from plcgen.ds47.kinds.save import SAVES
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DrivePlan, PlannedDrive
 from plcgen.ds47.sim.behaviour import Behaviour
@@ -79,7 +77,7 @@ def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParam
     array = definition.array is not None or highest > 1
     count = max(definition.array or 1, highest)
     drawn = [_value(use, definition, seed * 16 + index, distinct=distinct) for index in range(min(count, DRAWN))]
-    polled = any(u.as_(Poll) for u in group)
+    effect = next((poll.effect for one in group if (poll := one.as_(Poll))), None)
     limits = ValueLimits(definition.minimum, definition.maximum) if fmt.kind in _NUMERIC else ValueLimits()
     return SimulatedParameter(
         pnu=definition.pnu,
@@ -89,9 +87,9 @@ def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParam
         array=array,
         limits=limits,
         read_only=definition.access == "r",
-        clears_after=SAVING_MS if polled else None,
-        saves="" if definition.pnu not in SAVES.values() or not polled else _SAVED[definition.pnu],
-        acknowledges=polled and definition.pnu == ACKNOWLEDGES,
+        clears_after=None if effect is None else SAVING_MS,
+        saves=effect if effect in {"unit", "object"} else "",
+        acknowledges=effect == "faults",
     )
 
 
@@ -100,7 +98,6 @@ def repeated(drawn: list[Value], count: int) -> list[Value]:
     return (drawn * -(-count // DRAWN))[:count] if len(drawn) == DRAWN else drawn
 
 
-_SAVED = {SAVES["unit"]: "unit", SAVES["drive_object"]: "object"}
 _NUMERIC = {FormatKind.SIGNED, FormatKind.UNSIGNED, FormatKind.FLOAT}
 
 

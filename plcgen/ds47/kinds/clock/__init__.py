@@ -29,6 +29,7 @@ CLOCK = JobKind(
     fixed=True,
     types=dict(zip((f"P{number}" for number in UTC), ("Unsigned16", "Integer16", "Unsigned32, array: 2"), strict=True)),
     sets_clock=True,
+    runs_on={UTC[-1]: "it is a time, which keeps running"},
     title=lambda _: "Set the clock of the control unit",
 )
 KINDS = (CLOCK,)

@@ -17,6 +17,9 @@ SAVES = {"drive_object": 971, "unit": 977}
 """Set to 1, the parameter starts saving, and returns to 0 when that has ended (S120: p0971, S210: p0977)."""
 
 
+_EFFECTS = {"drive_object": "object", "unit": "unit"}
+
+
 def _lasting(value: object) -> object:
     if value == "ram":
         message = "a value is in the RAM of the drive as soon as it is written: there is nothing to save"
@@ -85,9 +88,10 @@ SAVE = JobKind(
     example="save: drive_object",
     items=_save_items,
     short=short_form(SaveSettings, (*SAVES, "ram")),
-    poll=lambda settings: Poll(settings.interval, settings.limit, settings.distance),
+    poll=lambda settings: Poll(settings.interval, settings.limit, settings.distance, _EFFECTS[settings.persist]),
     unfit=_unfit,
     follows=True,
+    instead={SAVES["unit"]: (SAVES["drive_object"], "save: drive_object saves what {drive} has")},
     void=lambda value: value in ("ram", {"persist": "ram"}),
     permits=_save_permits,
 )

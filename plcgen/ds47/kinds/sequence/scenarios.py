@@ -13,7 +13,7 @@ from plcgen.ds47.plan.access import Part
 from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.ds47.proof.block_clock import STANDSTILL_MS
 from plcgen.ds47.proof.points import replaced_values, value_at
-from plcgen.ds47.proof.scenario import Contents, DriveScenario, Edit
+from plcgen.ds47.proof.scenario import Contents, DriveScenario, Edit, KindScenarios
 from plcgen.ds47.proof.words import WORDS
 from plcgen.ds47.sim.faults import Fault, FaultKind
 from plcgen.ds47.wire.formats import FormatKind, integer_range, pack_values, unpack_values
@@ -40,6 +40,13 @@ def refused() -> Iterator[DriveScenario]:
         follow=False,
     )
     yield DriveScenario(name="a start is refused", slot=0, status=(WORDS["NO_SLOT"],), checked=False)
+
+
+def steps(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
+    """What fails in a step, and how steps wait."""
+    yield from refused()
+    if job.waits:
+        yield from stepping(job, scans)
 
 
 def stepping(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
@@ -316,3 +323,6 @@ def _floats(part: Part) -> list[bytes]:
     others = (-wanted, 0.0, math.inf, -math.inf, math.nan)
     form = ">f" if fmt.size == 4 else ">d"
     return list(dict.fromkeys((*near, *(struct.pack(form, value) for value in others))))
+
+
+SCENARIOS = (KindScenarios(50, lambda job: job.in_steps, steps),)

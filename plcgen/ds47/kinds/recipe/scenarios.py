@@ -9,7 +9,7 @@ from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.points import fault
 from plcgen.ds47.proof.recorded import members
-from plcgen.ds47.proof.scenario import DriveScenario
+from plcgen.ds47.proof.scenario import DriveScenario, KindScenarios
 from plcgen.ds47.proof.words import WORDS
 from plcgen.ds47.wire.formats import Format, FormatKind, integer_range, pack_values
 
@@ -22,8 +22,10 @@ NOT_FINITE = {
 """NaN of several kinds and the two infinities (IEEE 754)."""
 
 
-def recipes(job: DriveJob, count: int) -> Iterator[DriveScenario]:
-    """All of them; the recipe has so many records. What the run before says of an error must not stay."""
+def recipes(job: DriveJob, _: int) -> Iterator[DriveScenario]:
+    """All of them. What the run before says of an error must not stay."""
+    assert job.recipe is not None  # noqa: S101 - of such jobs only
+    count = job.recipe.count
     place = len(job.telegrams[0].parts)
     yield DriveScenario(
         name=f"parameter {place} of telegram 1 is refused with a second word",
@@ -100,3 +102,6 @@ def _next(fmt: Format, limit: float, step: int) -> bytes:
     if not bits & ~sign:
         return (1 | (sign if step < 0 else 0)).to_bytes(fmt.size)
     return (bits + (step if limit > 0 else -step)).to_bytes(fmt.size)
+
+
+SCENARIOS = (KindScenarios(70, lambda job: job.recipe is not None, recipes),)

@@ -11,12 +11,12 @@ from plcgen.ds47.proof.compared import SIGN, swapped
 from plcgen.ds47.proof.keeping import anything, moved, other
 from plcgen.ds47.proof.points import ends, positions
 from plcgen.ds47.proof.rig import VALUE_SETS
-from plcgen.ds47.proof.scenario import Contents, DriveScenario
+from plcgen.ds47.proof.scenario import Contents, DriveScenario, KindScenarios
 from plcgen.ds47.sim.parameters import Keeps
 from plcgen.ds47.wire.formats import FormatKind, Value, pack_values, unpack_values
 
 
-def comparing(job: DriveJob) -> Iterator[DriveScenario]:
+def comparing(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     """All of them."""
     odd: list[Contents] = ["odd"] * VALUE_SETS
     contents: tuple[Contents, ...] = ("factory", "next", "low", "high", *odd)
@@ -72,3 +72,6 @@ def _other_sign(use: Use) -> Keeps:
         return unpack_values(use.format, 1, swapped(use.format, pack_values(use.format, [value])))[0]
 
     return keeps
+
+
+SCENARIOS = (KindScenarios(40, lambda job: job.compares, comparing),)

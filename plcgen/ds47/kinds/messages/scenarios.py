@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.listed import COUNTERS, GROUP, columns
-from plcgen.ds47.proof.scenario import DriveScenario, Event
+from plcgen.ds47.proof.scenario import DriveScenario, Event, KindScenarios
 from plcgen.ds47.proof.words import WORDS
 from plcgen.ds47.sim.drive import Drive
 from plcgen.ds47.sim.faults import Fault, FaultKind
@@ -16,7 +16,7 @@ NOT_ALLOWED = 0x11
 """Error number of a drive that does not take a request in its state."""
 
 
-def listing(job: DriveJob) -> Iterator[DriveScenario]:
+def listing(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     """All of them."""
     for count in range(GROUP + 1):
         yield DriveScenario(name=f"{count} messages", messages=count, follow=False)
@@ -92,3 +92,6 @@ def comes(job: DriveJob, step: int = 1) -> Event:
 
 def _tries(job: DriveJob) -> int:
     return job.messages.settings.tries if job.messages is not None else 0
+
+
+SCENARIOS = (KindScenarios(30, lambda job: job.messages is not None, listing),)

@@ -10,9 +10,9 @@ from plcgen.ds47.plan.access import Part
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.keeping import other
 from plcgen.ds47.proof.points import fault, positions
+from plcgen.ds47.proof.polling import not_supported
 from plcgen.ds47.proof.restored import BACK, CHECK, NOT_SAVED, NOW, OLD, OUTCOMES, RETURN, RUNS, WRITE
-from plcgen.ds47.proof.saving import not_supported
-from plcgen.ds47.proof.scenario import DriveScenario, Event
+from plcgen.ds47.proof.scenario import DriveScenario, Event, KindScenarios
 from plcgen.ds47.proof.words import DEVIATES, DONE, WORDS
 from plcgen.ds47.sim.drive import Drive
 from plcgen.ds47.sim.faults import Fault, FaultKind
@@ -46,7 +46,7 @@ def restored(job: DriveJob, scenarios: Iterable[DriveScenario]) -> Iterator[Driv
             yield replace(one, status=(*one.status, *OUTCOMES, *last))
 
 
-def restoring(job: DriveJob) -> Iterator[DriveScenario]:
+def restoring(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     """All of them."""
     yield from _refused(job)
     yield from _limited(job)
@@ -199,3 +199,6 @@ def _signals(job: DriveJob) -> Iterator[DriveScenario]:
             yield replace(found, status=(DONE, WORDS["LOST"], *OUTCOMES))
     yield _limits(job, 1, "then another slot", follow=False)
     yield DriveScenario(name="another slot after it", slot=0, status=(WORDS["NO_SLOT"],), checked=False)
+
+
+SCENARIOS = (KindScenarios(80, lambda job: job.restores, restoring, restored),)

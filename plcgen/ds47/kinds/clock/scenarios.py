@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.clocked import DAY_MS, FIRST, LAST, Moment, clock_bytes, of, values
-from plcgen.ds47.proof.scenario import DriveScenario
+from plcgen.ds47.proof.scenario import DriveScenario, KindScenarios
 from plcgen.ds47.proof.words import WORDS
 
 OCCUPIED_MS = 200
@@ -16,7 +16,7 @@ COMMON, LEAP = 2001, 2024
 """A year with and one without a February 29."""
 
 
-def clocking(job: DriveJob) -> Iterator[DriveScenario]:
+def clocking(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     """All of them."""
     for moment in _moments():
         yield DriveScenario(name=f"it is {moment[0]}, {moment[1]} ms", moment=moment, follow=False)
@@ -94,3 +94,6 @@ def _dated(job: DriveJob, data: bytes, month: int, day: int) -> bytes:
     if job.clock is not None and job.clock.name == "DTL":
         return data[:2] + bytes((month, day)) + data[4:]
     return data[:1] + bytes.fromhex(f"{month:02}{day:02}") + data[3:]
+
+
+SCENARIOS = (KindScenarios(60, lambda job: job.clock is not None, clocking),)

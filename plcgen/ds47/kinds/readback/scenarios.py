@@ -8,10 +8,11 @@ from itertools import product
 
 from plcgen.ds47.plan.access import Part, Running, Use, Verify
 from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
+from plcgen.ds47.proof.deviating import deviates, index_of
 from plcgen.ds47.proof.keeping import anything, moved, only, other
 from plcgen.ds47.proof.points import fault, positions
 from plcgen.ds47.proof.rig import VALUE_SETS
-from plcgen.ds47.proof.scenario import Contents, DriveScenario
+from plcgen.ds47.proof.scenario import Contents, DriveScenario, KindScenarios
 from plcgen.ds47.proof.words import DEVIATES, WORDS
 from plcgen.ds47.sim.parameters import Keeps
 from plcgen.ds47.wire.formats import FormatKind
@@ -20,7 +21,7 @@ NOT_ALLOWED = 0x11
 """Error number of a drive that does not take a request in its state."""
 
 
-def verifying(job: DriveJob) -> Iterator[DriveScenario]:
+def verifying(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     """All of them."""
     telegrams = [telegram for telegram in job.telegrams if telegram.parts[0].use.as_(Verify)]
     for telegram in telegrams:
@@ -43,7 +44,7 @@ def _each(job: DriveJob, telegram: DriveTelegram, place: int, part: Part) -> Ite
     for at in sorted({*starts, *ends}):
         name = f"the drive keeps another value {at} of parameter {place} of telegram {telegram.number}"
         keeps = {part.use.parameter.pnu: other(part, at, 0)}
-        yield replace(_deviates(name, telegram, {place: at}, keeps=keeps), follow=False)
+        yield replace(deviates(name, telegram, {place: at}, keeps=keeps), follow=False)
 
 
 def _compared(telegram: DriveTelegram) -> list[tuple[int, Part]]:
@@ -67,20 +68,20 @@ def _near_zero(job: DriveJob, telegram: DriveTelegram) -> Iterator[DriveScenario
         keeps: dict[int, Keeps] = {}
         for pnu in {part.use.parameter.pnu for _, part, _ in found}:
             own = [(part, at) for _, part, at in found if part.use.parameter.pnu == pnu]
-            keeps[pnu] = only({_index(part, at) for part, at in own}, moved(own[0][0].use, 2))
+            keeps[pnu] = only({index_of(part, at) for part, at in own}, moved(own[0][0].use, 2))
         places = {place: at for place, _, at in found}
         for turn in range(1, VALUE_SETS + 1):
             name = f"piece {number + 1} of telegram {telegram.number} is near to what was sent, set {turn}"
-            yield replace(_deviates(name, telegram, places, keeps=keeps, values="odd"), follow=False)
+            yield replace(deviates(name, telegram, places, keeps=keeps, values="odd"), follow=False)
         if number == 0:
             far: dict[int, Keeps] = {}
             for pnu in keeps:
                 own = [(part, at) for _, part, at in found if part.use.parameter.pnu == pnu]
-                far[pnu] = only({_index(part, at) for part, at in own}, anything(own[0][0].use))
+                far[pnu] = only({index_of(part, at) for part, at in own}, anything(own[0][0].use))
             odd: list[Contents] = ["odd"] * VALUE_SETS
             for values in ("factory", *odd):
                 name = f"numbers of telegram {telegram.number} are far from what was sent, values {values}"
-                yield replace(_deviates(name, telegram, places, keeps=far, values=values), follow=False)
+                yield replace(deviates(name, telegram, places, keeps=far, values=values), follow=False)
 
 
 def _one_octet(telegram: DriveTelegram, place: int) -> Iterator[DriveScenario]:
@@ -90,19 +91,12 @@ def _one_octet(telegram: DriveTelegram, place: int) -> Iterator[DriveScenario]:
         for octet in dict.fromkeys((0, part.use.format.size - 1)):
             keeps = {part.use.parameter.pnu: other(part, at, octet)}
             where = f"octet {octet} of value {at} of parameter {place} of telegram {telegram.number}"
-            yield _deviates(f"the drive keeps another {where}", telegram, {place: at}, keeps=keeps)
+            yield deviates(f"the drive keeps another {where}", telegram, {place: at}, keeps=keeps)
     keeps = {part.use.parameter.pnu: other(part, 0, 0)}
     name = f"somebody else changes parameter {place} of telegram {telegram.number}"
-    yield _deviates(name, telegram, {place: 0}, meanwhile=keeps)
+    yield deviates(name, telegram, {place: 0}, meanwhile=keeps)
     name = f"parameter {place} of telegram {telegram.number} is another one, in a format 41h to 43h"
-    yield _deviates(name, telegram, {place: 0}, keeps=keeps, generic=True)
-
-
-def another(telegram: DriveTelegram, place: int) -> DriveScenario:
-    """The drive keeps another first value of a parameter."""
-    part = telegram.parts[place - 1]
-    name = f"the drive keeps another first value of parameter {place} of telegram {telegram.number}"
-    return _deviates(name, telegram, {place: 0}, keeps={part.use.parameter.pnu: other(part, 0, 0)})
+    yield deviates(name, telegram, {place: 0}, keeps=keeps, generic=True)
 
 
 def _several(job: DriveJob, telegram: DriveTelegram) -> Iterator[DriveScenario]:
@@ -110,7 +104,7 @@ def _several(job: DriveJob, telegram: DriveTelegram) -> Iterator[DriveScenario]:
     number, (last, part) = telegram.number, _compared(telegram)[-1]
     found = {part.use.parameter.pnu: anything(part.use) for _, part in _compared(telegram)}
     places = dict.fromkeys(range(1, last + 1), 0)
-    yield _deviates(f"the drive keeps other values of telegram {number}", telegram, places, keeps=found)
+    yield deviates(f"the drive keeps other values of telegram {number}", telegram, places, keeps=found)
     if part.use.parameter.pnu == telegram.parts[0].use.parameter.pnu:
         return
     yield DriveScenario(
@@ -119,37 +113,8 @@ def _several(job: DriveJob, telegram: DriveTelegram) -> Iterator[DriveScenario]:
         keeps={part.use.parameter.pnu: other(part, 0, 0)},
         status=(WORDS["PARAMETER_ERROR"],),
         telegram=number,
-        errors={(number, 1): (0x8000 | NOT_ALLOWED, 0), (number, last): (DEVIATES, _index(part, 0))},
+        errors={(number, 1): (0x8000 | NOT_ALLOWED, 0), (number, last): (DEVIATES, index_of(part, 0))},
     )
-
-
-def _deviates(
-    name: str,
-    telegram: DriveTelegram,
-    places: dict[int, int],
-    *,
-    keeps: dict[int, Keeps] | None = None,
-    meanwhile: dict[int, Keeps] | None = None,
-    generic: bool | None = None,
-    values: Contents = "next",
-) -> DriveScenario:
-    """Parameters of a telegram by place, and which value of each is the first that is another one."""
-    number = telegram.number
-    return DriveScenario(
-        name=name,
-        keeps=keeps or {},
-        meanwhile=meanwhile or {},
-        generic=generic,
-        values=values,
-        status=(WORDS["DEVIATES"],),
-        telegram=number,
-        errors={(number, place): (DEVIATES, _index(telegram.parts[place - 1], at)) for place, at in places.items()},
-    )
-
-
-def _index(part: Part, at: int) -> int:
-    """Index of a value of a part."""
-    return part.subindex + at
 
 
 def _rounded(uses: list[Use], telegram: DriveTelegram) -> Iterator[DriveScenario]:
@@ -167,4 +132,7 @@ def _rounded(uses: list[Use], telegram: DriveTelegram) -> Iterator[DriveScenario
     for values, step in product(("factory", *odd), (2, -2) if places else ()):
         keeps = {use.parameter.pnu: moved(use, step) for use in floats}
         name = f"the drive rounds by {step} units in the last place, values {values}"
-        yield _deviates(name, telegram, dict.fromkeys(places, 0), keeps=keeps, values=values)
+        yield deviates(name, telegram, dict.fromkeys(places, 0), keeps=keeps, values=values)
+
+
+SCENARIOS = (KindScenarios(10, lambda job: job.verified, verifying),)
