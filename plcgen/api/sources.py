@@ -66,19 +66,24 @@ def layout(*paths: Path | str, family: Family | None = None, block: str = "", ex
         else:
             sources.append(path)
     tables = [table for table in tables if not block or _is_called(table.name, table.kind, table.number, block)]
+    agreed = 0
     if sources:
-        tables += _source_tables(sources, report, family, block, expand=expand)
+        found, agreed = _source_tables(sources, report, family, block, expand=expand)
+        tables += found
     if block and not tables and not report.has_errors:
         report.add(Diagnostic("PG806", f'there is no DB, UDT or FB "{block}" in these files', Span(str(paths[0]))))
     names = subjects if not sources else []
-    return LayoutResult(tuple(tables), tuple(report), ", ".join(names), tuple(path_hashes(list(map(Path, paths)))))
+    origins = tuple(path_hashes(list(map(Path, paths))))
+    return LayoutResult(tuple(tables), tuple(report), ", ".join(names), origins, agreed)
 
 
 def _source_tables(
     paths: Sequence[Path], report: Report, family: Family | None, block: str, *, expand: bool
-) -> list[BlockTable]:
+) -> tuple[list[BlockTable], int]:
+    """The tables, and how many offsets that the documents state are the same in them."""
     from plcgen.s7.read.files import read_files
     from plcgen.s7.tables.declared import block_tables
+    from plcgen.s7.tables.exported import compare_offsets
     from plcgen.s7.types.system import family_types
 
     classic = family in {"s7-300", "s7-400"}
@@ -89,14 +94,18 @@ def _source_tables(
     if family is None and files.modern:
         family = "s7-1500"
     tables: list[BlockTable] = []
+    agreed = 0
     for plc, part in (files.parts or {"": files}).items():
         for name, system in family_types(family).items():
             part.types.setdefault(name, system)
         chosen = [b for b in part.blocks if not block or _is_called(b.name, b.kind.value, b.number, block)]
         found, problems = block_tables(chosen, part.types, expand=expand)
         tables += [replace(table, name=f"{plc}/{table.name}") if plc else table for table in found]
+        differences, same = compare_offsets(chosen, part.types)
+        agreed += same
+        report.extend(differences)
         report.extend(d for d in problems if (d.code, d.span) not in known and not (circles and d.code == "PG807"))
-    return [replace(table, unsaid=False) for table in tables] if classic else tables
+    return [replace(table, unsaid=False) for table in tables] if classic else tables, agreed
 
 
 def _is_called(name: str, kind: str, number: int | None, wanted: str) -> bool:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from plcgen.base.diagnostics.counting import quantity
 from plcgen.cli.options import PATH, console, format_option, output_option, verb
 from plcgen.cli.output import OK, PROBLEMS
 from plcgen.s7.types.families import FAMILIES
@@ -66,4 +67,6 @@ def command(
     elif result.ok:
         nothing = f", {output} is not written" if output is not None else ""
         out.say(f"no data block, type or function block in {' '.join(map(str, paths[:3]))}: no layout{nothing}")
+    if result.agreed:
+        out.say(f"{quantity(result.agreed, 'offset')} of the exports: the same here")
     return OK if result.ok else PROBLEMS

@@ -119,13 +119,15 @@ class BlockTable:
 class LayoutResult:
     """Memory layouts: of a spec's telegram buffers, or of the blocks in source files.
 
-    ``subject`` names the project, or the only path; ``origins`` are the paths with the hash of their texts.
+    ``subject`` names the project, or the only path; ``origins`` are the paths with the hash of their texts;
+    ``agreed`` counts offsets that exports state and that are the same here.
     """
 
     blocks: tuple[BlockTable, ...]
     diagnostics: tuple[Diagnostic, ...]
     subject: str = ""
     origins: tuple[tuple[str, str], ...] = ()
+    agreed: int = 0
 
     @property
     def ok(self) -> bool:

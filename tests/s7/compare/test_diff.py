@@ -606,7 +606,7 @@ def test_files_without_a_block(tmp_path, text):
     assert not plcgen.lock(tmp_path / "old", out=tmp_path / "x.lock.json").ok
 
 
-def test_a_spec_says_nothing_of_tag_tables(tmp_path):
+def test_a_spec_says_nothing_of_tag_tables():
     """A generated folder has a tag table, the spec itself none: that is no difference."""
     result = plcgen.diff([FAQ], [GOLDEN])
     assert not [change for change in result.changes if change.subject.startswith("tag table")]
