@@ -89,7 +89,7 @@ class Ppi:
 
     def review_sheet(self, plan: PpiPlan) -> ReviewSheet:
         """What is written, every byte of the telegrams, all stations."""
-        from plcgen.ppi.sheet import review_sheet
+        from plcgen.ppi.review import review_sheet
 
         return review_sheet(plan)
 

@@ -21,7 +21,7 @@ from plcgen.ppi.wire.dissect import dissect, title
 from plcgen.ppi.wire.errors import TOLERABLE, Kind, Violation
 from plcgen.ppi.wire.model import Item, Pdu, ReadReply, ReadRequest, VariableFrame, WriteReply, WriteRequest
 from plcgen.ppi.wire.pack import mismatches
-from plcgen.ppi.wire.sequence import FrameCountCheck
+from plcgen.ppi.wire.stream import FrameCountCheck
 from plcgen.ppi.wire.telegram import Examination, examine
 
 _NO_FRAME = "no frame"

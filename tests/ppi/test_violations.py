@@ -24,7 +24,7 @@ from plcgen.ppi.wire.model import (
     WriteRequest,
 )
 from plcgen.ppi.wire.pdu import decode_pdu, encode_pdu, examine_pdu
-from plcgen.ppi.wire.sequence import FrameCountCheck
+from plcgen.ppi.wire.stream import FrameCountCheck
 from plcgen.ppi.wire.telegram import decode_telegram, examine
 from tests.ppi.vectors import FRAMES, octets
 

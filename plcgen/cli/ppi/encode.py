@@ -15,9 +15,9 @@ from plcgen.cli.output import SENDS_NOTHING
 from plcgen.cli.ppi.places import cpu_option, symbols_option
 
 if TYPE_CHECKING:
-    from plcgen.ppi.sim.profiles import CpuProfile
     from plcgen.ppi.symbols import SymbolTable
     from plcgen.ppi.wire.model import Request
+    from plcgen.ppi.wire.profiles import CpuProfile
     from plcgen.report.registry import OutputFormat
 
 _BARE = ("run", "stop", "setup", "poll")

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from plcgen.ppi.client.places import Place, PlaceError
-    from plcgen.ppi.sim.profiles import CpuProfile
     from plcgen.ppi.symbols import SymbolTable
     from plcgen.ppi.wire.model import Item, ItemWrite
+    from plcgen.ppi.wire.profiles import CpuProfile
 
 Callback = TypeVar("Callback", bound=Callable[..., object])
 Result = TypeVar("Result")
@@ -44,7 +44,7 @@ def find_profile(key: str | None) -> CpuProfile | None:
     if key is None:
         return None
     from plcgen.base.diagnostics.suggest import did_you_mean
-    from plcgen.ppi.sim.profiles import profile, profiles
+    from plcgen.ppi.wire.profiles import profile, profiles
 
     try:
         return profile(key)

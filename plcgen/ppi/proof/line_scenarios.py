@@ -12,14 +12,14 @@ from plcgen.ppi.proof.scenario import (
     GAP_MS,
     LATE_MS,
     POLL_MS,
-    REPLY_FRAME,
     SCAN_MS,
-    SHORT_REPLY,
     PpiScenario,
     answered_again,
     fault,
+    loose,
     lost_once,
     others,
+    reply_length,
 )
 from plcgen.ppi.proof.words import DONE, WORDS
 from plcgen.ppi.sim.faults import At
@@ -30,15 +30,11 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
     most, polls = master.retries, master.polls
     silent = (WORDS["NO_ANSWER"],)
     again = answered_again(master)
-    yield PpiScenario(name="first job after power-up", fresh=True, retries=None, polls=None)
+    yield loose(name="first job after power-up", fresh=True)
     yield from _spoilt(master)
     for spot, byte in ((4, "high"), (5, "low")):
         yield PpiScenario(
-            name=f"reference with another {byte} byte",
-            edit=_flipped(spot),
-            status=silent,
-            retries=most,
-            polls=None,
+            name=f"reference with another {byte} byte", edit=_flipped(spot), status=silent, retries=most, polls=None
         )
     repeats: tuple[tuple[int | None, str], ...] = ((1, "once"), (None, "forever"))
     for number, how in repeats:  # the second answer before is the right one
@@ -56,12 +52,10 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
     yield from _alone()
     for octets in (1, 3, 4, 20, -1):
         yield PpiScenario(name=f"reply that breaks off after {octets} bytes and goes on", broken=octets)
-    yield PpiScenario(
+    yield loose(
         name="reply that breaks off, its rest after the next poll",
         broken=20,
         rest=master.reply_timeout,
-        retries=None,
-        polls=None,
         status=(*again, WORDS["NO_ANSWER"]),
     )
     for kind in ("count", "length"):
@@ -71,7 +65,7 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
             )
     yield from _line_refusals(master)
     yield from _late(master)
-    yield from _in_the_pause(master, job)
+    yield from in_the_pause(master, job)
     yield from refusals(job, every=every)
     yield from _short(master, job)
     yield from wrong_replies(job)
@@ -183,36 +177,27 @@ def _late(master: PlannedMaster) -> Iterator[PpiScenario]:
         once = (fault("late", milliseconds=late),)
         always = (fault("late", times=None, milliseconds=late),)
         good = (DONE,) if late < master.ack_timeout else ends
-        yield PpiScenario(name=f"answer {late} ms late", faults=once, retries=None, polls=None, status=good)
-        yield PpiScenario(
-            name=f"every answer {late} ms late",
-            faults=always,
-            retries=None,
-            polls=None,
-            status=(*ends, WORDS["TIMEOUT"]),
-        )
+        yield loose(name=f"answer {late} ms late", faults=once, status=good)
+        yield loose(name=f"every answer {late} ms late", faults=always, status=(*ends, WORDS["TIMEOUT"]))
 
 
-def _in_the_pause(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
+def in_the_pause(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
     """The only reply comes in a pause: in each single scan of that before a repetition, which follows the time for the
     reply, and of that between two polls. Every other poll is answered with E5, so nothing else ends the job well.
 
     A message is handed over in up to eight scans by a CP 341, in two by others.
     """
-    first = job.telegrams[0].response
-    length = REPLY_FRAME + first.size if first is not None else SHORT_REPLY
-    frame = length * 11 * 1000 // master.baud + GAP_MS
+    frame = reply_length(job.telegrams[0]) * 11 * 1000 // master.baud + GAP_MS
     scan = min(SCAN_MS, master.ob1_cycle)
-    pauses = (
-        (False, "", master.reply_timeout, master.retry_pause),
-        (True, "E5 and ", POLL_MS, master.poll_pause),
-    )
+    pauses = ((False, "", master.reply_timeout, master.retry_pause), (True, "E5 and ", POLL_MS, master.poll_pause))
     for unready, before, begin, pause in pauses:
         for late in range(max(1, begin - frame - 8 * scan), max(2, begin + pause - frame + 4 * scan), scan):
-            yield PpiScenario(
-                name=f"{before}one reply, {late} ms late, and E5 to every other poll", only=late, unready=unready,
-                status=(DONE, WORDS["NOT_READY"], WORDS["NO_ANSWER"]), retries=None, polls=None,
-            )  # fmt: skip
+            yield loose(
+                name=f"{before}one reply, {late} ms late, and E5 to every other poll",
+                only=late,
+                unready=unready,
+                status=(DONE, WORDS["NOT_READY"], WORDS["NO_ANSWER"]),
+            )
 
 
 def _short(master: PlannedMaster, job: PpiJob) -> Iterator[PpiScenario]:
@@ -243,11 +228,9 @@ def _alone() -> Iterator[PpiScenario]:
         (b"\x10\x03\x05\x49\x51", "a short frame without its end", 1),
     ):
         noise = replace(fault("noise", "poll"), data=data)
-        yield PpiScenario(
+        yield loose(
             name=f"{what} alone",
             faults=(noise, fault("late", "poll", milliseconds=LATE_MS)),
             damaged=damaged,
             ignored=0,
-            retries=None,
-            polls=None,
         )

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from plcgen.ppi.plan.nouns import PpiJob
 from plcgen.ppi.proof.replies import TOO_MANY, edits, with_data
-from plcgen.ppi.proof.scenario import PpiScenario, fault
+from plcgen.ppi.proof.scenario import PpiScenario, fault, loose
 from plcgen.ppi.proof.words import WORDS
 
 RETURN_CODES = (0x01, 0x03, 0x05, 0x06, 0x07, 0x0A, 0x42)
@@ -42,29 +42,29 @@ def refusals(job: PpiJob, *, every: bool) -> Iterator[PpiScenario]:
             status=(WORDS["REFUSED"],),
             header=code,
         )
-    yield PpiScenario(
-        name="job refused with an acknowledgement (ROSCTR 2)", faults=(fault("header", code=HEADER_ERRORS[0]),),
-        edit=lambda pdu: pdu[:1] + b"\x02" + pdu[2:], status=(WORDS["REFUSED"],), header=HEADER_ERRORS[0],
-        retries=None, polls=None,
-    )  # fmt: skip
+    yield loose(
+        name="job refused with an acknowledgement (ROSCTR 2)",
+        faults=(fault("header", code=HEADER_ERRORS[0]),),
+        edit=lambda pdu: pdu[:1] + b"\x02" + pdu[2:],
+        status=(WORDS["REFUSED"],),
+        header=HEADER_ERRORS[0],
+    )
     if job.telegrams[0].response is not None:
-        yield PpiScenario(
+        yield loose(
             name="an item refused in a reply with a byte too many",
             faults=tuple(fault("item", item=n, code=5) for n, _ in enumerate(job.telegrams[0].items, 1)),
-            edit=lambda pdu: with_data(pdu, pdu[14:] + b"\xff"), status=(WORDS["REPLY_FORMAT"],),
-            retries=None, polls=None,
-        )  # fmt: skip
+            edit=lambda pdu: with_data(pdu, pdu[14:] + b"\xff"),
+            status=(WORDS["REPLY_FORMAT"],),
+        )
     for after, telegram in enumerate(job.telegrams):
         for number, wire in enumerate(telegram.items if telegram.response is not None else (), 1):
             positions = sorted({placed.value.position for placed in wire.values})
             for code in _codes(number, len(telegram.items), every=every):
-                yield PpiScenario(
+                yield loose(
                     name=f"item {number} of telegram {telegram.number} refused with {code:02X}h",
                     faults=(fault("item", item=number, code=code, after=after),),
                     status=(WORDS["ITEM_ERROR"],),
                     errors=dict.fromkeys(positions, 0x8000 | code),
-                    retries=None,
-                    polls=None,
                 )
         count = len(telegram.items) if telegram.response is not None else 0
         for name, numbers in (("first and last item", (1, count)), ("last two items", (count - 1, count))):
@@ -72,28 +72,19 @@ def refusals(job: PpiJob, *, every: bool) -> Iterator[PpiScenario]:
                 continue
             wrong = [telegram.items[number - 1] for number in numbers]
             places = sorted({placed.value.position for wire in wrong for placed in wire.values})
-            yield PpiScenario(
+            yield loose(
                 name=f"{name} of telegram {telegram.number} refused",
                 faults=tuple(fault("item", item=n, code=5, after=after) for n in numbers),
                 status=(WORDS["ITEM_ERROR"],),
                 errors=dict.fromkeys(places, 0x8005),
-                retries=None,
-                polls=None,
             )
 
 
 def wrong_replies(job: PpiJob) -> Iterator[PpiScenario]:
     """The read in front of the first write with an item or a parameter too many; then every other wrong reply."""
     for name in ("an item", "a parameter") if job.kind != "read" else ():
-        yield PpiScenario(
-            name=f"first read with {name} too many",
-            edit=TOO_MANY[name],
-            status=(WORDS["REPLY_FORMAT"],),
-            fresh=True,
-            retries=None,
-            polls=None,
+        yield loose(
+            name=f"first read with {name} too many", edit=TOO_MANY[name], status=(WORDS["REPLY_FORMAT"],), fresh=True
         )
     for name, edit in edits(job):
-        yield PpiScenario(
-            name=f"reply with {name}", edit=edit, status=(WORDS["REPLY_FORMAT"],), retries=None, polls=None
-        )
+        yield loose(name=f"reply with {name}", edit=edit, status=(WORDS["REPLY_FORMAT"],))

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
-from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob
+from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiTelegram
 from plcgen.ppi.proof.replies import Bend, Edit
 from plcgen.ppi.proof.words import DONE, WORDS
 from plcgen.ppi.sim import Fault, FaultKind
@@ -100,11 +101,20 @@ class PpiScenario(Scenario):
         return any(happening in {"cold", "warm"} for happening in self.happens.values())
 
 
+loose = partial(PpiScenario, retries=None, polls=None)
+"""A run of which nobody counts repetitions and polls."""
+
+
 def others(master: PlannedMaster) -> bytes:
     """A short frame between two addresses that nobody here has: SD1, DA, SA, FC, the sum of the three, ED."""
     known = {master.own_address, *(station.address for station in master.stations)}
     body = bytes((*[n for n in range(1, 127) if n not in known][:2], 0x49))
     return b"\x10" + body + bytes((sum(body) & 0xFF, 0x16))
+
+
+def reply_length(telegram: PpiTelegram) -> int:
+    """Bytes of the frame that answers a telegram, if every item is good."""
+    return SHORT_REPLY if telegram.response is None else REPLY_FRAME + telegram.response.size
 
 
 def fault(kind: str, at: At = "any", times: int | None = 1, **more: int) -> Fault:

@@ -10,26 +10,29 @@ from plcgen.base.diagnostics.counting import quantity, shortlist
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
 from plcgen.ppi.proof.calls import cpu_scenarios
 from plcgen.ppi.proof.conduct import MasterConduct
-from plcgen.ppi.proof.core_scenarios import core_scenarios
 from plcgen.ppi.proof.ledger import ledger
-from plcgen.ppi.proof.line_scenarios import line_scenarios
-from plcgen.ppi.proof.module_scenarios import module_scenarios
+from plcgen.ppi.proof.line_scenarios import in_the_pause, line_scenarios
+from plcgen.ppi.proof.module_scenarios import hangs, module_scenarios
 from plcgen.ppi.proof.pace_scenarios import pace_scenarios
+from plcgen.ppi.proof.reply_scenarios import ready, refusals, wrong_replies
 from plcgen.ppi.proof.rig import MasterRig
 from plcgen.ppi.proof.scenario import (
     CHARACTER_BITS,
     FRAME_CALLS,
     POLL_MS,
-    REPLY_FRAME,
     SHORT_REPLY,
     PpiScenario,
+    fault,
     in_time,
+    loose,
+    lost_once,
+    reply_length,
 )
 from plcgen.ppi.proof.stated.checks import stated_checks
 from plcgen.ppi.proof.telegrams import check_telegrams
 from plcgen.ppi.proof.together import ROW, procedures
 from plcgen.ppi.proof.wording import PpiWording
-from plcgen.ppi.proof.words import CLOCK_END, State
+from plcgen.ppi.proof.words import CLOCK_END, WORDS, State
 from plcgen.ppi.wire.areas import Function
 from plcgen.project.nouns import BufferField
 from plcgen.proof.checks import Check, CheckGroup, Outcome
@@ -168,8 +171,7 @@ class PpiSuite:
             found.append(Premise("every telegram has one item", follow=("tempLastItem", "tempFailed")))
         if master.polls == 1 and not master.retries:
             found.append(known("a message takes two calls, and E5 was the last one", "tempNew", (0,), (State.POLL,)))
-        sizes = [t.response.size + REPLY_FRAME if t.response is not None else SHORT_REPLY for t in master.telegrams]
-        shortest = min(sizes, default=SHORT_REPLY) * CHARACTER_BITS * 1000 // master.baud
+        shortest = min(map(reply_length, master.telegrams), default=SHORT_REPLY) * CHARACTER_BITS * 1000 // master.baud
         if not master.retries and shortest > master.poll_pause + FRAME_CALLS * master.ob1_cycle:
             why = "no reply is as short as a pause"
             found.append(known(why, "tempNew", (0,), (State.POLL,)))
@@ -192,7 +194,7 @@ class PpiSuite:
 
     def first(self) -> PpiScenario:
         """Behind power-up a telegram more may be needed."""
-        return PpiScenario(name="first run", retries=None, polls=None, follow=False)
+        return loose(name="first run", follow=False)
 
     def nominal(self, runner: Runner[PpiScenario]) -> PpiScenario:
         """A run without any fault."""
@@ -225,6 +227,8 @@ class PpiSuite:
         master, target, every = self.master, self.plan.target, level == "full"
         if not every and job is not next(j for j in self.jobs if SHAPES[j.kind] == SHAPES[job.kind]):
             yield from core_scenarios(master, job, scans, classic=target.classic)
+            if job is min(self.jobs, key=lambda each: reply_length(each.telegrams[0])):
+                yield from in_the_pause(master, job)  # that of a longer reply may be too short for it
             return
         yield from line_scenarios(master, job, every=every)
         yield from pace_scenarios(master, job)
@@ -267,3 +271,22 @@ def rig_of(runner: Runner[PpiScenario]) -> MasterRig:
     if not isinstance(rig, MasterRig):
         raise TypeError("not a PPI master")
     return rig
+
+
+def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int, *, classic: bool) -> Iterator[PpiScenario]:
+    """What depends on the job itself, and one fault of each kind of the rest."""
+    yield loose(name="first job after power-up", fresh=True)
+    for at, kind in (("request", "silence"), ("poll", "fcs"), ("poll", "silence")):
+        once = fault(kind, "request" if at == "request" else "poll")
+        yield PpiScenario(name=f"{kind} at the {at}", faults=(once,), **lost_once(master, polls=at == "poll"))
+    dead = (fault("deaf", times=None),)
+    yield PpiScenario(
+        name="silence forever", faults=dead, status=(WORDS["NO_ANSWER"],), retries=master.retries, polls=0
+    )
+    yield from ready(master.polls)
+    yield from refusals(job, every=False)
+    yield from wrong_replies(job)
+    yield from hangs(master, job, classic=classic)
+    yield PpiScenario(name="execute dropped", happens={scans // 2: "drop"})
+    yield loose(name="cold restart", happens={scans // 2: "cold"})
+    yield loose(name="scans of random length", wild=True)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
 from plcgen.ppi.proof.conduct import MasterConduct
 from plcgen.ppi.proof.rig import MasterRig
-from plcgen.ppi.proof.scenario import FRAME_CALLS, FRAME_MS, PpiScenario, others
+from plcgen.ppi.proof.scenario import FRAME_CALLS, FRAME_MS, loose, others
 from plcgen.ppi.proof.words import DONE, DRAIN_MS, LONGEST, WORDS, State
 from plcgen.ppi.sim import Fault, FaultKind
 from plcgen.ppi.wire.fdl import examine_frame
@@ -67,6 +67,9 @@ def as_delivered(rig: MasterRig) -> None:
     """
     jobs, cpu = rig.master.jobs, rig.cpu
     own = [job for job in jobs if job.cycle and job.trigger.execute is None]
+    for job in jobs:
+        if rig.db.get(job.pin("status")) != WORDS["IDLE"]:
+            raise ScenarioError(f"the status of {job.key} is not 16#7000 before the first call")
     cpu.scan(step(rig), ROUNDS)
     for job in jobs:
         if (cpu[_control(rig, job, "status")] != WORDS["IDLE"]) != (job in own):
@@ -147,6 +150,9 @@ def _round(rig: MasterRig, number: int) -> None:
         if cpu.misuses:
             raise ScenarioError("misuse")
         for job in jobs:
+            for signal in ("busy", "done", "error", "status"):
+                if cpu[_control(rig, job, signal)] != cpu[f'"{rig.master.instance.name}".{job.pin(signal)}']:
+                    raise ScenarioError(f"{signal} of {job.key} does not arrive where the caller looks for it")
             if cpu[_control(rig, job, "error")] and not crowd.again(job):
                 status = cpu[_control(rig, job, "status")]
                 raise ScenarioError(f"round {number}: {job.key} ends with 16#{status:04X}")
@@ -214,7 +220,7 @@ def behind(rig: MasterRig) -> None:
         for before in dict.fromkeys((jobs[-1], *strange[-1:])):
             name = f"{job.key} after {before.key}"
             for rig.job, fresh in ((before, True), (job, False)):
-                Run(PpiScenario(name=name, fresh=fresh, retries=None, polls=None), conduct, Statistics()).go()
+                Run(loose(name=name, fresh=fresh), conduct, Statistics()).go()
 
 
 def kept(rig: MasterRig) -> None:

@@ -23,10 +23,7 @@ class State(IntEnum):
     CONDITIONS = 10
 
 
-STATES_OF = {
-    "CM": frozenset(State),
-    "CP 341": frozenset(State) - {State.CONFIGURE, State.CONDITIONS, State.RESET},
-}
+STATES_OF = {"CM": frozenset(State), "CP 341": frozenset(State) - {State.CONFIGURE, State.CONDITIONS, State.RESET}}
 """States by the kind of module: a CP 341 needs no settings, and nothing that it received is thrown away."""
 WORDS = {
     "DONE": 0x0000, "IDLE": 0x7000, "STARTED": 0x7001, "RUNNING": 0x7002,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from plcgen.ppi.sim.profiles import TYPE_LENGTH, CpuProfile
 from plcgen.ppi.wire.areas import ELEMENT_SIZES, OCTETS, Area, ReturnCode, TransportSize
 from plcgen.ppi.wire.model import Item, ItemResult
+from plcgen.ppi.wire.profiles import TYPE_LENGTH, CpuProfile
 
 READ_ONLY = frozenset({Area.AI, Area.HC, Area.SYS})
 READ_ONLY_SM = 30

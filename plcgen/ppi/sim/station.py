@@ -14,11 +14,11 @@ from typing import Any, Literal
 
 from plcgen.ppi.sim.cpu import BY_LEVEL, Mode, Service, Session, StationCpu, Switch
 from plcgen.ppi.sim.memory import StationMemory
-from plcgen.ppi.sim.profiles import profile
 from plcgen.ppi.sim.values import decode_value, encode_value
 from plcgen.ppi.wire.address import parse_item
 from plcgen.ppi.wire.areas import PDU_LIMIT, ReturnCode
 from plcgen.ppi.wire.model import FCB, FCV, REQUEST, Acknowledgement, FixedFrame, Frame, Item, VariableFrame
+from plcgen.ppi.wire.profiles import profile
 from plcgen.ppi.wire.telegram import DATA_FUNCTION
 
 FrameCountRule = Literal["standard", "strict", "ignore"]

@@ -39,12 +39,7 @@ def _guide(plan: PpiPlan) -> tuple[list[GuidePart], list[GuidePart]]:
     speeds = sorted({master.baud for master in plan.masters})
     view = {
         "masters": [
-            {
-                "block": master.block.name,
-                "module": MODULES[master.module],
-                "baud": master.baud,
-                "port": master.port,
-            }
+            {"block": master.block.name, "module": MODULES[master.module], "baud": master.baud, "port": master.port}
             for master in plan.masters
         ],
         "speed": f"{speeds[0]} bit/s" if len(speeds) == 1 else "the speed of its master above",

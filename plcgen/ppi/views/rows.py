@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import tomllib
+from importlib.resources import files
+
 from plcgen.build.members import buffer_member, display_format, plain
 from plcgen.build.nouns import DataBlock, MemberRow, StartAssignment, TypeBlock
 from plcgen.build.spelling import comment_text, encodable, one_line
 from plcgen.ppi.plan.nouns import PpiField, PpiPlan, PpiTelegram, PpiValue
-from plcgen.ppi.views.texts import FIELD_TEXTS
 from plcgen.ppi.wire.areas import Area, TransportSize
 from plcgen.project.nouns import BlockRef
 from plcgen.s7.types.data_types import Elementary
 
+FIELD_TEXTS: dict[str, tuple[str, str, str]] = tomllib.loads(
+    files("plcgen.ppi.views").joinpath("fields.toml").read_text("utf-8")
+)
+"""What a field means, by its role: in English, German, Chinese. Other languages get English."""
 _COLUMN = {"en": 0, "de": 1, "zh": 2}
 _LEAD = "telegram"
 """The member of a table that holds the telegram."""

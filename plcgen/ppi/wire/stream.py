@@ -10,9 +10,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from plcgen.ppi.wire.errors import Kind, Violation
 from plcgen.ppi.wire.fdl import BROADCAST, FIXED_SIZES, LEAST_LENGTH, MOST_LENGTH, SD1, SD2, SD3, SD4
 from plcgen.ppi.wire.fdl import END as END_BYTE
-from plcgen.ppi.wire.model import ACKNOWLEDGE, CLIPPED
+from plcgen.ppi.wire.model import ACKNOWLEDGE, CLIPPED, FCB, FCV, REQUEST, FixedFrame, Frame, VariableFrame
 
 _STARTS = frozenset({SD1, SD2, SD3})
 """First bytes of frames with a checksum."""
@@ -205,3 +206,37 @@ def split(data: bytes, *, tolerant: bool = False) -> list[Chunk]:
     """Split a complete capture into frames and the garbage between them."""
     splitter = Splitter(tolerant=tolerant)
     return splitter.feed(data) + splitter.finish()
+
+
+_COUNTED = frozenset({0x3, 0x5, 0xC, 0xD})
+
+
+class FrameCountCheck:
+    """Follows the requests of a capture, each pair of stations on its own: the frame count bit must alternate.
+
+    EN 50170: a station that sees the same bit again (FCV = 1) repeats its last answer and executes nothing. A master
+    that never toggles it gets old answers; some stations do not mind, hence tolerable.
+    """
+
+    def __init__(self) -> None:
+        self._last: dict[tuple[int, int], Frame] = {}
+
+    def follow(self, frame: Frame) -> list[Violation]:
+        """Take the next frame; return what is wrong with its function code (offset in the frame)."""
+        if not isinstance(frame, VariableFrame | FixedFrame):
+            return []
+        function = frame.function
+        if not function & REQUEST or function & 0x0F not in _COUNTED:
+            return []
+        pair = (frame.destination, frame.source)
+        before = self._last.get(pair)
+        self._last[pair] = frame
+        if not function & FCV or not isinstance(before, VariableFrame | FixedFrame) or before == frame:
+            return []
+        if (before.function ^ function) & FCB:
+            return []
+        text = (
+            f"the function code {function:02X}h has the frame count bit of the request before: "
+            "a station repeats its last answer instead of executing this"
+        )
+        return [Violation(Kind.FRAME_COUNT, 6 if isinstance(frame, VariableFrame) else 3, text)]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from plcgen.ppi.sim.faults import FaultKind
 from plcgen.ppi.sim.load import SingleKeys, load_bus
-from plcgen.ppi.sim.profiles import profiles
+from plcgen.ppi.wire.profiles import profiles
 
 PAGE = (Path(__file__).parents[3] / "docs" / "s7-200.md").read_text("utf-8")
 

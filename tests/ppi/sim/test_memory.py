@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 from plcgen.ppi.sim import Bus, Station
 from plcgen.ppi.sim.cpu import BY_LEVEL, Mode, Service
-from plcgen.ppi.sim.profiles import profile, profiles
 from plcgen.ppi.wire.address import PpiAddressError
 from plcgen.ppi.wire.areas import Area, ReturnCode, TransportSize
 from plcgen.ppi.wire.codes import header_error
@@ -23,6 +22,7 @@ from plcgen.ppi.wire.model import (
     StopRequest,
     WriteRequest,
 )
+from plcgen.ppi.wire.profiles import profile, profiles
 from tests.s7_200_talk import Talk
 
 OK, DENIED, RANGE, TYPE, SIZE, MISSING = 0xFF, 0x03, 0x05, 0x06, 0x07, 0x0A

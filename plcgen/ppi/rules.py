@@ -1,4 +1,4 @@
-"""Rules about PPI masters: addresses on the line, ports, names that meet, times."""
+"""Rules about PPI masters: addresses on the line, ports, names that meet, times; names and texts for other rules."""
 
 from __future__ import annotations
 
@@ -24,6 +24,16 @@ from plcgen.s7.types.durations import spelled
 if TYPE_CHECKING:
     from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiValue
     from plcgen.project.spec import SpecPath
+from functools import partial
+from typing import TYPE_CHECKING
+
+from plcgen.project.part import Named, Rules
+
+if TYPE_CHECKING:
+    from plcgen.base.diagnostics import Span
+    from plcgen.ppi.plan.nouns import PpiPlan
+    from plcgen.project.spec import SpecPath
+
 
 _SIGNALS = ("execute", "busy", "done", "error", "status", "errors")
 _OWN = frozenset({"port", "moduleaddress", "diagnostics"})
@@ -209,3 +219,43 @@ def member_span(plan: PpiPlan, value: PpiValue) -> Span:
     """Where the name of a value comes from: ``as``, else its address."""
     given = node_at(plan, (*value.path, "as"))
     return given.span if given is not None else plan.loaded.span((*value.path, "item"))
+
+
+def names(plan: PpiPlan) -> Iterator[Named]:
+    """Keys of masters, stations and jobs, names of values."""
+    key_of = plan.loaded.key_span
+    for key, master in plan.spec.ppi.items():
+        yield Named("master key", key, "key", partial(key_of, ("ppi", key)))
+        for which in ("stations", "jobs"):
+            for name in getattr(master, which):
+                yield Named(f"{which[:-1]} key", name, "key", partial(key_of, ("ppi", key, which, name)))
+    for job in plan.jobs:
+        for value in job.values:
+            yield Named("member", value.member, "identifier", partial(member_span, plan, value))
+
+
+def texts(plan: PpiPlan) -> Iterator[tuple[SpecPath, dict[str, str]]]:
+    """Comments of masters, stations, jobs and values."""
+    for master in plan.masters:
+        yield (*master.path, "comment"), master.comment
+        for station in master.stations:
+            yield (*station.path, "comment"), station.comment
+        for job in master.jobs:
+            yield (*job.path, "comment"), job.comment
+            for value in job.values:
+                yield (*value.path, "comment"), value.comment
+
+
+def untranslated(plan: PpiPlan) -> Iterator[tuple[SpecPath, str]]:  # noqa: ARG001 - every text has its languages
+    """No text without a language."""
+    return iter(())
+
+
+def taken(plan: PpiPlan) -> Iterator[tuple[str, str, Span | None]]:
+    """Names of the tables."""
+    yield "PpiJobTags", "the tag table of the PPI jobs", None
+    for master in plan.masters:
+        yield f"Watch_{master.block.name}", f'the watch table of master "{master.key}"', None
+
+
+RULES = Rules(checks=(checks,), names=names, texts=texts, untranslated=untranslated, taken=taken)
