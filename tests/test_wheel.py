@@ -44,12 +44,28 @@ def test_every_shipped_spec_runs_from_the_wheel(unpacked: Path, tmp_path: Path) 
         assert (done.returncode, len(both)) == (0, 2), done.stdout + done.stderr
 
 
+def test_pages_are_shown_offline(unpacked: Path, tmp_path: Path) -> None:
+    """A list, a page, the page of a code; a word that is none is told with what was probably meant."""
+    listed = run(unpacked, tmp_path, "-m", "plcgen", "docs").stdout
+    assert "spec " in listed
+    assert "The spec" in listed
+    for page in ("spec", "PG209"):
+        shown = run(unpacked, tmp_path, "-m", "plcgen", "docs", page)
+        name = page if page == "spec" else f"codes/{page}"
+        assert (shown.returncode, shown.stdout) == (0, (ROOT / "docs" / f"{name}.md").read_text("utf-8"))
+    wrong = run(unpacked, tmp_path, "-m", "plcgen", "docs", "../spek")
+    assert wrong.returncode == 2
+    assert "no page" in wrong.stderr
+
+
 @pytest.mark.slow
 def test_the_wheel_holds_what_it_needs_and_nothing_else(unpacked: Path) -> None:
-    """Type marker, licence, templates, specs; no tests, no examples."""
+    """Type marker, licence, templates, specs, pages of the documentation without pictures; no tests, no examples."""
     files = {p.relative_to(unpacked).as_posix() for p in unpacked.rglob("*") if p.is_file()}
     assert {"plcgen/py.typed", "plcgen/_templates/ds47/job.scl.j2", "plcgen/_specs/devices/sinamics-dcm.yaml"} <= files
     assert "plcgen/_specs/cpus/s7.yaml" in files
+    assert {"plcgen/_docs/spec.md", "plcgen/_docs/codes/PG209.md"} <= files
+    assert not any(name.endswith((".png", "site.py")) for name in files)
     assert any(name.endswith("LICENSE") for name in files)
     assert not any(name.startswith(("tests/", "examples/", "bench/")) for name in files)
 

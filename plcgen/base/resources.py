@@ -20,3 +20,8 @@ def templates_dir() -> Path:
 def specs_dir() -> Path:
     """Directory of the shipped job specs, device profiles and parameter catalogues."""
     return _locate("_specs", "specs")
+
+
+def docs_dir() -> Path:
+    """Directory of the pages of the documentation."""
+    return _locate("_docs", "docs")

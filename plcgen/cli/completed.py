@@ -35,3 +35,10 @@ def codes(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list
     from plcgen.api.explanation import list_codes
 
     return [CompletionItem(code, help=title) for code, _, title in list_codes() if code.startswith(incomplete.upper())]
+
+
+def pages(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Pages of the documentation."""
+    from plcgen.cli.docs import documented
+
+    return [name for name in documented() if name.startswith(incomplete)]

@@ -50,6 +50,7 @@ SECTIONS: Sections = (
             ("encode", "Print the request telegrams of a spec or of one parameter."),
             ("decode", "Explain telegrams and STATUS values byte by byte."),
             ("explain", "Explain a diagnostic code, error number or status word."),
+            ("docs", "Show a page of the documentation."),
             ("catalogue", "Show what is known about drive parameters."),
         ),
     ),
