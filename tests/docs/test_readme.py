@@ -39,3 +39,11 @@ def test_other_languages_have_the_same_commands_figures_and_links(language: str)
     links = [set(re.findall(r"\]\(([^)]+)\)", each)) for each in (prose, english)]
     assert {link for link in links[0] ^ links[1] if not link.startswith("README")} == set()
     assert len(re.findall(r"^#+ ", prose, re.MULTILINE)) == len(re.findall(r"^#+ ", english, re.MULTILINE))
+
+
+def test_a_task_is_one_screen() -> None:
+    """Twelve pages, each at most 45 lines, each named by the README; their commands run as those of every page."""
+    pages = sorted((ROOT / "docs" / "tasks").glob("*.md"))
+    assert len(pages) == 12
+    assert [page.name for page in pages if len(page.read_text("utf-8").splitlines()) > 45] == []
+    assert [page.name for page in pages if f"docs/tasks/{page.name}" not in ENGLISH] == []
