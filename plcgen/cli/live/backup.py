@@ -11,12 +11,16 @@ import click
 from plcgen.base.diagnostics.counting import quantity
 from plcgen.cli.live.places import object_number, object_options, open_channel, read_station, timeout_option
 from plcgen.cli.options import PATH, console, device_option, force_option, format_option, verb
+from plcgen.cli.output import OutputError
 from plcgen.cli.ppi.connection import ask
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from plcgen.base.display.results import Answer
+    from plcgen.ds47.device import Device
+    from plcgen.ds47.live.channel import PnParameters
+    from plcgen.ds47.live.draft import Draft
     from plcgen.report.registry import OutputFormat
 
 
@@ -49,19 +53,36 @@ def command(
     written when all is there. live compare and catalogue import take it. Nothing of the drive is changed.
     """
     where, out = read_station(host), console()
-    if not resume:
-        out.replaceable(path, fresh=True)
+    out.replaceable(path, fresh=True)
 
     def question() -> Answer:
         from plcgen.ds47.devices import find_device
-        from plcgen.ds47.live import backup
         from plcgen.ds47.live.draft import Draft
 
         known = find_device(device)
         object_ = object_number(number, known)
-        draft = Draft(path, f"{known.title}, {known.key}, drive object {object_}, {where}", resume=resume)
-        with open_channel(where, timeout, known) as channel, out.progress() as progress:
-            every = backup.numbers(channel, known, object_)
+        try:
+            draft = Draft(path, f"{known.title}, {known.key}, drive object {object_}, {where}", resume=resume)
+            with open_channel(where, timeout, known) as channel:
+                count = _gather(channel, known, object_, draft)
+        except OSError as problem:
+            raise OutputError(f"cannot write {path}.part: {problem.strerror or problem}") from problem
+        text, refused = draft.finished()
+        out.result(text, path, fresh=True)
+        draft.path.unlink()
+        return _answer(path, (str(where), object_, count), refused)
+
+    return ask(format_, "live backup", (host,), question)
+
+
+def _gather(channel: PnParameters, device: Device, object_: int, draft: Draft) -> int:
+    """Fill a draft; how many parameters the drive object has. Whatever ends it before, what was read stays there."""
+    from plcgen.ds47.live import backup
+
+    out = console()
+    try:
+        with out.progress() as progress:
+            every = backup.numbers(channel, device, object_)
             left = [one for one in every if one > draft.last]
             done = len(every) - len(left)
 
@@ -69,14 +90,12 @@ def command(
                 if progress is not None:
                     progress(f"of {quantity(len(every), 'parameter')}", done + count, len(every))
 
-            for chunk in backup.backup(channel, known, object_, left, told):
+            for chunk in backup.backup(channel, device, object_, left, told):
                 draft.add(chunk)
-        text, refused = draft.finished()
-        out.result(text, path, fresh=True)
-        draft.path.unlink()
-        return _answer(path, (str(where), object_, len(every)), refused)
-
-    return ask(format_, "live backup", (host,), question)
+    except BaseException:
+        out.say(f"what was read is in {draft.path}: --resume goes on")
+        raise
+    return len(every)
 
 
 def _answer(path: Path, what: tuple[str, int, int], refused: Sequence[str]) -> Answer:

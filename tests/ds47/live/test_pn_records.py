@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 from dataclasses import replace
 
 import pytest
@@ -10,7 +11,7 @@ from plcgen.base.diagnostics import DiagnosticError
 from plcgen.ds47.device import Parameter
 from plcgen.ds47.devices import find_device
 from plcgen.ds47.live.channel import PnParameters
-from plcgen.ds47.live.profinet import TRIES, PnConnection, unicast
+from plcgen.ds47.live.profinet import TRIES, PnConnection, UdpLink, unicast
 from plcgen.ds47.sim.faults import Fault, FaultKind
 from plcgen.ds47.sim.pn_device import OBJECT, PnDevice
 from plcgen.ds47.wire import formats, pnio, rpc
@@ -203,6 +204,23 @@ def test_late_packets():
 
     with channel(Wire(PnDevice(drive()), back=late)) as reader:
         assert _texts(reader, (REAL, range(2))) == ["10", "5.5"]
+
+
+def test_a_host_that_was_not_asked():
+    """What another host sends to our port is not even looked at."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other, socket.socket(type=socket.SOCK_DGRAM) as there:
+        other.bind(("127.0.0.2", 0))
+        there.bind(("127.0.0.1", 0))
+        link = UdpLink(*there.getsockname())
+        try:
+            link.send(b"question")
+            _, us = there.recvfrom(100)
+            other.sendto(b"of another host", us)
+            there.sendto(b"answer", us)
+            assert link.receive(link.now() + 5) == b"answer"
+            assert link.receive(link.now()) is None
+        finally:
+            link.close()
 
 
 def test_nobody_answers():

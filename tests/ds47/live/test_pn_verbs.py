@@ -135,7 +135,8 @@ def test_a_backup_goes_on(tmp_path: Path, monkeypatch):
             first(self, chunk)
 
         monkeypatch.setattr(Draft, "add", breaks)
-        assert plcgen(*words)[0] == 130
+        code, _, err = plcgen(*words)
+        assert (code, "pump.csv.part: --resume goes on" in err) == (130, True)
         monkeypatch.setattr(Draft, "add", first)
         assert not path.exists()
         part = path.with_name("pump.csv.part")
@@ -166,8 +167,17 @@ def test_a_backup_replaces_nothing(tmp_path: Path):
     path.write_text("mine\n", "utf-8")
     one = _listed()
     with served(one) as where:
-        code, _, err = plcgen("live", "backup", str(path), "--port", where, *S120_2)
-    assert (code, "PG501" in err, path.read_text("utf-8"), one.journal) == (1, True, "mine\n", [])
+        for more in ((), ("--resume",)):
+            code, _, err = plcgen("live", "backup", str(path), "--port", where, *S120_2, *more)
+            assert (code, "PG501" in err, path.read_text("utf-8"), one.journal) == (1, True, "mine\n", [])
+        code, _, err = plcgen("live", "backup", str(path / "below"), "--port", where, *S120_2)
+    assert (code, "cannot write" in err, "Traceback" in err) == (1, True, False), err
+
+
+def test_a_network_is_no_device():
+    """The broadcast address of a network looks like any other; the socket has no right to use it."""
+    code, _, err = plcgen("live", "read", "r21", "--port", "pn://127.255.255.255")
+    assert (code, "it is the broadcast address of a network" in err) == (1, True), err
 
 
 @pytest.mark.slow
