@@ -269,6 +269,14 @@ def _refused(kind: PacketType, number: int):
     return lambda packet: replace(packet, kind=kind, body=bytes((number, 0, 1, 0x1C)))
 
 
+def _length(packet: Packet) -> Packet:
+    return replace(packet, body=packet.body[:4] + b"\1\0\0\0" + packet.body[8:])
+
+
+def _status(packet: Packet) -> Packet:
+    return _blocks(packet, lambda blocks: blocks[:44] + bytes.fromhex("DF80B700") + blocks[48:])
+
+
 def _session(packet: Packet) -> Packet:
     return _blocks(packet, lambda blocks: blocks[:24] + b"\xff\xff" + blocks[26:])
 
@@ -283,6 +291,8 @@ def _session(packet: Packet) -> Packet:
         (_answering(_refused(PacketType.REJECT, 2)), "PG708", "RPC reject 1C010002h"),
         (_answering(lambda packet: replace(packet, body=packet.body[:19])), "PG708", "20 bytes at least, not 19"),
         (_answering(lambda packet: replace(packet, body=packet.body[:-1])), "PG708", "contradict each other"),
+        (_answering(_length), "PG708", "length 1, array of 58"),
+        (_answering(_status, Operation.WRITE), "PG708", "DF80B700"),
         (_answering(_session, Operation.CONNECT), "PG708", "accepted another connection"),
         (_answering(_record(ar=OBJECT), Operation.READ), "PG708", f"the connection {OBJECT}"),
         (_answering(_record(sequence=9), Operation.READ), "PG708", "the sequence number 9, the request had 2"),
@@ -353,6 +363,30 @@ def test_a_relation_ends_with_time():
     assert "it does not know this connection (any more)" in gone.value.diagnostics[0].message
     with channel(Wire(wire.device)) as reader:
         assert _texts(reader, (REAL, range(1))) == ["10"]
+
+
+def test_references():
+    """Each request has the next one: 1 to 255, and then 1 again; 0 is reserved."""
+    wire = Wire(PnDevice(drive()))
+    with channel(wire) as reader:
+        for _ in range(256):
+            list(reader.read([(REAL, [0])], 2))
+    sent = [call.data[0] for call in wire.device.drive.journal if call.direction == "write"]
+    assert sent == [*range(1, 256), 1]
+
+
+def test_bodies_have_an_end():
+    """A fragment that comes a hundred times counts once; more than 64 KiB are refused, and a number behind the last."""
+    part = Packet(PacketType.RESPONSE, 0, OBJECT, 0, bytes(1384), flags=rpc.FRAGMENT)
+    assembly = rpc.Assembly()
+    assert [assembly.add(part) for _ in range(100)] == [None] * 100
+    with pytest.raises(rpc.PacketError, match="are no body"):
+        for number in range(60):
+            assembly.add(replace(part, fragment=number))
+    assembly = rpc.Assembly()
+    assembly.add(replace(part, fragment=3))
+    with pytest.raises(rpc.PacketError, match="are no body"):
+        assembly.add(replace(part, fragment=1, flags=rpc.FRAGMENT | rpc.LAST))
 
 
 def test_limits_of_a_record():

@@ -97,6 +97,19 @@ def test_backup(tmp_path: Path):
     assert not path.with_name("pump.csv.part").exists()
 
 
+def test_data_sets_are_counted_once():
+    """That there are two drive data sets is found out with the first parameter; the next one is a single request."""
+    made = drive()
+    dds = [Parameter(number, "FloatingPoint", indexes="DDS") for number in (1120, 1121)]
+    wire, sets = Wire(PnDevice(made)), {}
+    with channel(wire) as reader:
+        found = [backup.gather(reader, [one], 2, sets)[0] for one in dds]
+    assert sets == {"DDS": 2}
+    assert [[element.text for element in one.elements] for one in found] == [["10", "5.5"], ["20", "6.5"]]
+    asked = [int.from_bytes(call.data[6:8]) for call in made.journal if call.direction == "write"]
+    assert (asked.count(1120) > 1, asked.count(1121)) == (True, 1)
+
+
 def test_what_takes_a_backup(tmp_path: Path):
     """A comparison finds what has changed since; catalogue import reads it, too."""
     path = tmp_path / "pump.csv"
@@ -149,6 +162,7 @@ def test_a_backup_goes_on(tmp_path: Path, monkeypatch):
     assert not asked & {52, 840}
     assert path.read_text("utf-8").count("\np1120[0];Ramp-function generator ramp-up time;10;") == 1
     assert path.read_text("utf-8").count("p52;") == 1
+    assert "p1120[0];;9" not in path.read_text("utf-8")
 
 
 def test_a_backup_of_another_drive_is_not_gone_on_with(tmp_path: Path):
@@ -357,6 +371,17 @@ def test_options_of_the_other_way():
     """--record and --api belong to pn://; a backup needs types, which S7 does not tell."""
     assert plcgen("live", "read", "r21", "--drive", "127.0.0.1", "--record", "B02E")[0] == 2
     assert plcgen("live", "backup", "x.csv", "--port", "127.0.0.1", "--device", "sinamics-s120")[0] == 2
+
+
+def test_what_a_drive_sets_back_is_not_compared(tmp_path: Path):
+    """The list was made while p0971 saved: it is 0 in every drive, and says nothing."""
+    path = tmp_path / "a.csv"
+    path.write_text("Parameter;Value\np971;1\np1120[0];10.0\n", "utf-8")
+    one = drive()
+    one.objects[2].parameters[971] = SimulatedParameter(971, formats.by_name("Unsigned16"), [0])
+    with served(one) as where:
+        code, out, _ = plcgen("live", "compare", str(path), "--port", where, *S120_2)
+    assert (code, "p971" in out, "p1120" in out) == (0, False, True)
 
 
 def test_a_list_needs_one_drive_and_its_device(tmp_path: Path):
