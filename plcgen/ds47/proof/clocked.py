@@ -7,6 +7,7 @@ year, month, day, hour, minute, second, milliseconds in decimal digits, the last
 from __future__ import annotations
 
 import datetime as dt
+from dataclasses import dataclass
 
 from plcgen.ds47.plan.nouns import DriveJob
 
@@ -16,6 +17,14 @@ DAY_MS = 86_400_000
 
 Moment = tuple[dt.date, int]
 """A day, and milliseconds of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Times:
+    """A scenario with this ``moment`` at the input, or bytes that are none; ``later`` comes after the first call."""
+
+    moment: Moment | bytes | None = None
+    later: Moment | bytes | None = None
 
 
 def of(year: int, month: int, day: int, milliseconds: int = 0) -> Moment:

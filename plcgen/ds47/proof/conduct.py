@@ -5,17 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 
 from plcgen.ds47.proof.asking import Asking
+from plcgen.ds47.proof.clocked import Times
 from plcgen.ds47.proof.contents import held, written
 from plcgen.ds47.proof.course import Course
 from plcgen.ds47.proof.end import check_end, check_errors, check_refused
 from plcgen.ds47.proof.fence import Fence
-from plcgen.ds47.proof.listed import fill
+from plcgen.ds47.proof.listed import Messages, fill
 from plcgen.ds47.proof.pace import Pace
-from plcgen.ds47.proof.restored import BACK, CAUSE, OLD, Restoration
+from plcgen.ds47.proof.recorded import Record
+from plcgen.ds47.proof.restored import BACK, CAUSE, OLD, Restoration, Restores
 from plcgen.ds47.proof.rig import SLOT, JobRig
-from plcgen.ds47.proof.saved import check_saved
+from plcgen.ds47.proof.saved import AnotherSave, check_saved
 from plcgen.ds47.proof.scenario import DriveScenario
-from plcgen.ds47.proof.stepped import longest_waits, route
+from plcgen.ds47.proof.stepped import Steps, longest_waits, route
 from plcgen.ds47.proof.waiting import Waiting
 from plcgen.ds47.proof.words import DONE, DRAIN, DRAIN_MS, HOLD, NO_ANSWER, state_name
 from plcgen.proof.runner import Run
@@ -78,26 +80,28 @@ class JobConduct:
         rig, scenario = self.rig, run.scenario
         rig.address(other_bit=scenario.output)
         rig.next_values(scenario.values)
-        rig.report(scenario.state)
+        rig.report(scenario.of(Restores).state)
         rig.put_inputs(scenario.slot)
-        rig.damage(scenario.record, scenario.damaged)
+        record, save, steps = scenario.of(Record), scenario.of(AnotherSave), scenario.of(Steps)
+        rig.damage(record.record, record.damaged)
         rig.called_alone = False
         self.polled, self.saves = 0, rig.saves
-        if scenario.since is None:
-            rig.forget(scenario.left)
+        if save.since is None:
+            rig.forget(save.left)
         else:
-            rig.wait(self.saved_at + scenario.since - rig.cpu.clock - scenario.scan)
+            rig.wait(self.saved_at + save.since - rig.cpu.clock - scenario.scan)
         rig.drive.begin(scenario)
         rig.bus.write_busy, rig.bus.read_busy = scenario.busy
         if scenario.occupied:
             rig.occupy()
         happens = set(scenario.happens.values())
-        self.fence.begin(alone=not scenario.occupied and not scenario.taken and not {"cold", "warm"} & happens)
-        if scenario.messages is not None:
-            fill(rig.job, rig.drive, rig.drive_object, scenario.messages)
+        self.fence.begin(alone=not scenario.occupied and not steps.taken and not {"cold", "warm"} & happens)
+        messages = scenario.of(Messages).messages
+        if messages is not None:
+            fill(rig.job, rig.drive, rig.drive_object, messages)
         if scenario.matches:
             rig.match(scenario.keeps)
-        rig.tell(scenario.moment)
+        rig.tell(scenario.of(Times).moment)
         self.before, self.wanted = rig.delivered(), self.due(scenario)
         self.set_off(scenario)
         self.taken = 0
@@ -145,28 +149,29 @@ class JobConduct:
 
     def scan(self, run: Run[DriveScenario]) -> int:
         """Inputs change behind the first call; the job of another slot leaves; the channel is not called."""
+        steps, later = run.scenario.of(Steps), run.scenario.of(Times).later
         if run.scenario.twice:
             self.rig.called_alone = run.scans % 2 == 0
         if run.scenario.occupied:
             self.rig.alive()
             if run.scans == run.scenario.occupied // run.scenario.scan:
                 self.rig.leave()
-        if run.scenario.taken and self.course.free:
+        if steps.taken and self.course.free:
             if not self.taken:
-                self.taken = run.passed + run.scenario.taken
+                self.taken = run.passed + steps.taken
                 self.rig.take()
             self.rig.alive()
             if self.taken and run.passed >= self.taken:
                 self.rig.leave()
-                self.taken = run.scenario.taken + MANY_MS
-        if run.scenario.still and run.scenario.still == self.course.handed and self.rig.unit.get("state") == HOLD:
+                self.taken = steps.taken + MANY_MS
+        if steps.still and steps.still == self.course.handed and self.rig.unit.get("state") == HOLD:
             return min(STILL_MS, self.rig.job.timeout // 2)
         if run.scenario.meddle and run.scans > 1:
             self.rig.meddle()
-        if run.scenario.robbed and run.scenario.robbed == self.course.handed and self.rig.unit.get("state") == DRAIN:
+        if steps.robbed and steps.robbed == self.course.handed and self.rig.unit.get("state") == DRAIN:
             self.rig.alive(SLOT)
-        if run.scenario.later is not None and run.scans == 2:
-            self.rig.tell(run.scenario.later)
+        if later is not None and run.scans == 2:
+            self.rig.tell(later)
             self.set_off(run.scenario)
         counted = run.scenario.happens or run.scenario.occupied  # something happens in a certain scan
         exact = counted or run.passed < LONG_MS
@@ -292,7 +297,7 @@ class JobConduct:
 
     def rest(self, run: Run[DriveScenario]) -> None:
         """An idle job does nothing: values stay behind the end."""
-        if run.scenario.occupied or run.scenario.taken:
+        if run.scenario.occupied or run.scenario.of(Steps).taken:
             self.rig.leave()
         run.fall()
         if self.rig.delivered() != self.before:

@@ -8,6 +8,7 @@ from plcgen.ds47.plan.nouns import DriveTelegram
 from plcgen.ds47.proof.contents import told
 from plcgen.ds47.proof.rig import JobRig
 from plcgen.ds47.proof.scenario import DriveScenario
+from plcgen.ds47.proof.stepped import Steps
 from plcgen.ds47.proof.words import DONE, IDLE, NO_ANSWER, WORDS
 from plcgen.proof.scenario import ScenarioError
 
@@ -77,7 +78,7 @@ class Course:
         if status == WORDS["NOT_REACHED"]:
             self._questions(scenario)
         step = self.telegrams[self.handed - 1].step if status != DONE and self.handed else 0
-        wanted = step, scenario.missed or self._refused(scenario)
+        wanted = step, scenario.of(Steps).missed or self._refused(scenario)
         if found != wanted:
             raise ScenarioError(f"failedStep, failedParameter are {found} instead of {wanted}")
 

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.contents import held, kept
-from plcgen.ds47.proof.recorded import REFUSED
+from plcgen.ds47.proof.listed import Messages
+from plcgen.ds47.proof.recorded import REFUSED, Record
 from plcgen.ds47.proof.restored import BACK, WRITE, Restoration
 from plcgen.ds47.proof.rig import JobRig
 from plcgen.ds47.proof.scenario import DriveScenario
@@ -55,7 +56,9 @@ def telegram_results(job: DriveJob, scenario: DriveScenario) -> list[list[Result
     last = scenario.telegram or len(job.telegrams)
     found = []
     for telegram in job.telegrams:
-        good = scenario.answered if telegram.number == last else telegram.number < last or scenario.rounds > 1
+        good = (
+            scenario.answered if telegram.number == last else telegram.number < last or scenario.of(Messages).rounds > 1
+        )
         default = (0, 0) if good else (NO_ANSWER, 0)
         places = range(1, len(telegram.parts) + 1)
         found.append([scenario.errors.get((telegram.number, place), default) for place in places])
@@ -89,8 +92,8 @@ def check_errors(rig: JobRig, wanted: list[Result]) -> None:
 def check_refused(rig: JobRig, scenario: DriveScenario, status: int) -> None:
     """What a job says of a value that is not allowed, for which it sends nothing."""
     found = tuple(rig.db.get(name) for name in REFUSED)
-    if found != scenario.refused:
-        raise ScenarioError(f"{', '.join(REFUSED)} are {found} instead of {scenario.refused}")
+    if found != scenario.of(Record).refused:
+        raise ScenarioError(f"{', '.join(REFUSED)} are {found} instead of {scenario.of(Record).refused}")
     if status in {WORDS["OUTSIDE"], WORDS["NO_RECORD"]} and rig.drive.journal:
         raise ScenarioError("a start that is refused sends something")
 

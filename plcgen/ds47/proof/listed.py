@@ -8,6 +8,7 @@ oldest of those present, 7 the latest; from 8 on those that have gone, the lates
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof import compared
@@ -32,6 +33,17 @@ COUNTERS = {"faults": 944, "alarms": 2121}
 """What counts the changes of a buffer."""
 GROUP = 8
 """Places of the present, and of each group of the history."""
+
+
+@dataclass(frozen=True, slots=True)
+class Messages:
+    """A scenario with so many ``messages`` in each group of a buffer; None: as the values are.
+
+    ``rounds`` is how often all telegrams are sent; what a round has not answered has the result of the one before.
+    """
+
+    messages: int | None = None
+    rounds: int = 1
 
 
 def columns(job: DriveJob) -> list[tuple[str, int]]:

@@ -7,7 +7,7 @@ and with no other.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 from plcgen.ds47.plan.access import Use, Verify
 from plcgen.ds47.plan.nouns import DriveJob
@@ -17,6 +17,18 @@ from plcgen.proof.rig import Members, Spot
 NUMBER = "recordNumber"
 REFUSED = ("failedParameter", "failedIndex")
 """Which value of a record is not allowed: DINT each."""
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """A scenario of a job with a recipe: the number that it gets, and values of its record that are not allowed.
+
+    ``damaged`` are those by position of the use and place there, ``refused`` the parameter and index that it names.
+    """
+
+    record: int | None = None
+    damaged: Mapping[tuple[int, int], bytes] = field(default_factory=dict)
+    refused: tuple[int, int] = (0, 0)
 
 
 def recipe_signals(job: DriveJob) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from plcgen.ds47.plan.access import Running, Use, Verify
 from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
@@ -26,6 +27,18 @@ OLD, WRITE, BACK, NOW, RETURN, CHECK = range(1, 7)
 _SHAPES = {OLD: 0, WRITE: 1, BACK: 2, NOW: 2, RETURN: 1, CHECK: 2}
 BAD = 0x44
 """The block of an answer to a change that tells of an error."""
+
+
+@dataclass(frozen=True, slots=True)
+class Restores:
+    """A scenario of a job that restores.
+
+    ``state`` is the word in which the drive reports whether it runs: by default every bit is set that does not say so.
+    ``causes`` are the results of which the job says that they were why.
+    """
+
+    state: int = 0xF7FB
+    causes: tuple[int, ...] = (0,)
 
 
 class Restoration:
@@ -173,8 +186,8 @@ class Restoration:
         if (status, last) != wanted:
             shown = f"16#{status:04X} after telegram {last}"
             raise ScenarioError(f"it ends with {shown} instead of 16#{wanted[0]:04X} after telegram {wanted[1]}")
-        if tells and cause not in scenario.causes:
-            shown = " or ".join(f"16#{word:04X}" for word in scenario.causes)
+        if tells and cause not in scenario.of(Restores).causes:
+            shown = " or ".join(f"16#{word:04X}" for word in scenario.of(Restores).causes)
             raise ScenarioError(f"cause is 16#{cause:04X} instead of {shown}")
         if status == WORDS["RESTORED"]:
             for place, use in enumerate(self.written):

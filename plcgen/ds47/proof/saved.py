@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.restored import CAUSE
@@ -15,6 +16,17 @@ from plcgen.proof.scenario import ScenarioError
 SCAN = 10
 READ, CHANGED = 1, 2
 """Response identifiers of good answers."""
+
+
+@dataclass(frozen=True, slots=True)
+class AnotherSave:
+    """A scenario that starts ``since`` ms behind the last save that was handed over; None: long behind it.
+
+    ``left`` ms of the time that must pass in between are left.
+    """
+
+    since: int | None = None
+    left: int = 0
 
 
 def saving_scans(job: DriveJob) -> int:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, TypeVar
 
 from plcgen.ds47.plan.nouns import DriveJob
-from plcgen.ds47.proof.clocked import Moment
 from plcgen.ds47.sim.drive import Drive
 from plcgen.ds47.sim.faults import Fault
 from plcgen.ds47.sim.parameters import Keeps
 from plcgen.proof.scenario import Scenario
 
+_Part = TypeVar("_Part")
 Edit = Callable[[bytes], bytes]
 """What becomes of the bytes of an answer on its way."""
 Event = Callable[[Drive], None]
@@ -34,34 +34,15 @@ class DriveScenario(Scenario):
     looks behind every call for bytes that are not the job's, not only at the end. ``at_once``: execute comes again in
     the call behind the end.
 
-    ``remaining`` is how many faults are there again when they were acknowledged. ``saving`` is how many ms the drive
-    saves or acknowledges, ``since`` starts a job that saves so many ms behind the last save that
-    was handed over; None: long behind it, ``left`` ms of the time that must pass in between are left.
-
-    ``sharp``: calls of such a job fall where its times are over, and 1 ms before; a question so many ms behind its
-    limit.
+    ``saving`` is how many ms the drive saves or acknowledges, ``remaining`` how many faults are there again when they
+    were acknowledged. ``sharp``: calls of a job that asks again and again fall where its times are over, and 1 ms
+    before; a question so many ms behind its limit.
 
     ``keeps`` is what the drive makes of written values, by number of the parameter: it rounds, or clips without a word;
     ``meanwhile`` what somebody else makes of them before they are read back. ``matches``: the drive has what a job
-    that compares wants, but for ``keeps``.
+    that compares wants, but for ``keeps``. ``events`` happen in front of the n-th WRREC.
 
-    ``state`` is the word in which the drive reports whether it runs: by default every bit is set that does not say so.
-    ``causes`` are the results of which a job that restores says that they were why.
-
-    ``messages`` is how many are in each group of a buffer; None: as the values are. ``events`` happen in front of the
-    n-th WRREC, ``rounds`` is how often all telegrams are sent; what a round has not answered has the result of the one
-    before.
-
-    ``questions`` is how often a telegram of a sequence is asked that waits, by its number; once if it is not there.
-    ``missed`` is the parameter for which a sequence has waited in vain; ``taken`` is for how many ms another job has
-    the unit from the first time on that it is free while the sequence waits. Another job lives in the
-    slot when the telegram ``robbed`` ends; 0: none does. The CPU stands still for 1 s when the telegram ``still`` ends.
-
-    ``moment`` is the time at the input of a job that sets a clock, or bytes that are none; ``later`` what is there
-    behind the first call.
-
-    ``record`` is the number that a job with a recipe gets, ``damaged`` values of its record that are not allowed, by
-    position of the use and place there; ``refused`` the parameter and index that it names for them.
+    ``parts`` are what only one kind of job knows, each of another type; what is not there is as that type has it.
 
     ``telegram`` is the one that ends the job, 0 the last; ``answered`` says that it had an answer. ``errors`` are those
     stated by hand: (error, info) by number of the telegram and place in it, all others of an answered telegram are 0.
@@ -84,33 +65,26 @@ class DriveScenario(Scenario):
     at_once: bool = False
     saving: int = 300
     remaining: int = 0
-    since: int | None = None
-    left: int = 0
     sharp: int | None = None
     keeps: Mapping[int, Keeps] = field(default_factory=dict)
     meanwhile: Mapping[int, Keeps] = field(default_factory=dict)
     matches: bool = False
-    state: int = 0xF7FB
-    causes: tuple[int, ...] = (0,)
-    messages: int | None = None
     events: Mapping[int, Event] = field(default_factory=dict)
-    rounds: int = 1
-    questions: Mapping[int, int] = field(default_factory=dict)
-    missed: int = 0
-    taken: int = 0
-    robbed: int = 0
-    still: int = 0
-    moment: Moment | bytes | None = None
-    later: Moment | bytes | None = None
-    record: int | None = None
-    damaged: Mapping[tuple[int, int], bytes] = field(default_factory=dict)
-    refused: tuple[int, int] = (0, 0)
     telegram: int = 0
     answered: bool = True
     errors: Mapping[tuple[int, int], tuple[int, int]] = field(default_factory=dict)
     delivers: Mapping[tuple[int, int], bytes] = field(default_factory=dict)
     checked: bool = True
     again: int | None = 0
+    parts: tuple[Any, ...] = ()
+
+    def of(self, part: type[_Part]) -> _Part:
+        """The part of a type."""
+        return next((one for one in self.parts if isinstance(one, part)), None) or part()
+
+    def among(self, *parts: Any) -> DriveScenario:
+        """The same scenario with more parts."""
+        return replace(self, parts=(*self.parts, *parts))
 
 
 @dataclass(frozen=True, slots=True)

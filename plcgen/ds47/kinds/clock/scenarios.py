@@ -6,7 +6,7 @@ import datetime as dt
 from collections.abc import Iterator
 
 from plcgen.ds47.plan.nouns import DriveJob
-from plcgen.ds47.proof.clocked import DAY_MS, FIRST, LAST, Moment, clock_bytes, of, values
+from plcgen.ds47.proof.clocked import DAY_MS, FIRST, LAST, Moment, Times, clock_bytes, of, values
 from plcgen.ds47.proof.scenario import DriveScenario, KindScenarios
 from plcgen.ds47.proof.words import WORDS
 
@@ -19,29 +19,30 @@ COMMON, LEAP = 2001, 2024
 def clocking(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     """All of them."""
     for moment in _moments():
-        yield DriveScenario(name=f"it is {moment[0]}, {moment[1]} ms", moment=moment, follow=False)
+        yield DriveScenario(name=f"it is {moment[0]}, {moment[1]} ms", parts=(Times(moment=moment),), follow=False)
     for name, data in _no_times(job):
         yield DriveScenario(
             name=f"{name}: {data.hex(' ').upper()}",
-            moment=data,
+            parts=(Times(moment=data),),
             status=(WORDS["NO_TIME"],),
             checked=False,
             follow=False,
         )
     soon, late = of(2026, 11, 23, 1), of(2026, 11, 24)
     yield DriveScenario(
-        name="the time goes on while another job has the unit", occupied=OCCUPIED_MS, moment=soon, later=late
+        name="the time goes on while another job has the unit",
+        occupied=OCCUPIED_MS,
+        parts=(Times(moment=soon, later=late),),
     )
     nothing = bytes(len(clock_bytes(job, *values(soon))))
     yield DriveScenario(
         name="there is no time any more while another job has the unit",
         occupied=OCCUPIED_MS,
-        moment=soon,
-        later=nothing,
+        parts=(Times(moment=soon, later=nothing),),
     )
     yield DriveScenario(
         name="there is a time only after the edge",
-        moment=nothing, later=late, status=(WORDS["NO_TIME"],), checked=False,
+        parts=(Times(moment=nothing, later=late),),  status=(WORDS["NO_TIME"],), checked=False,
     )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcgen.ds47.plan.nouns import DriveJob
-from plcgen.ds47.proof.listed import COUNTERS, GROUP, columns
+from plcgen.ds47.proof.listed import COUNTERS, GROUP, Messages, columns
 from plcgen.ds47.proof.scenario import DriveScenario, Event, KindScenarios
 from plcgen.ds47.proof.words import WORDS
 from plcgen.ds47.sim.drive import Drive
@@ -19,7 +19,7 @@ NOT_ALLOWED = 0x11
 def listing(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     """All of them."""
     for count in range(GROUP + 1):
-        yield DriveScenario(name=f"{count} messages", messages=count, follow=False)
+        yield DriveScenario(name=f"{count} messages", parts=(Messages(messages=count),), follow=False)
     yield from _changes(job)
     yield from _second_try(job)
 
@@ -42,7 +42,12 @@ def _run(job: DriveJob, name: str, events: dict[int, Event], tried: int) -> Driv
     """A buffer that changes in so many tries."""
     tries = _tries(job)
     status = WORDS["CHANGED" if tried == tries else "DONE"]
-    return DriveScenario(name=name, events=events, rounds=min(tried + 1, tries), status=(status,), messages=2)
+    return DriveScenario(
+        name=name,
+        events=events,
+        parts=(Messages(rounds=min(tried + 1, tries), messages=2),),
+        status=(status,),
+    )
 
 
 def _second_try(job: DriveJob) -> Iterator[DriveScenario]:
@@ -56,7 +61,7 @@ def _second_try(job: DriveJob) -> Iterator[DriveScenario]:
         yield DriveScenario(
             name=f"the drive refuses telegram {telegram} of the second try",
             events=events,
-            rounds=2,
+            parts=(Messages(rounds=2),),
             faults=(refused,),
             status=(WORDS["PARAMETER_ERROR"],),
             telegram=telegram,
@@ -65,7 +70,7 @@ def _second_try(job: DriveJob) -> Iterator[DriveScenario]:
         yield DriveScenario(
             name=f"WRREC of telegram {telegram} of the second try fails",
             events=events,
-            rounds=2,
+            parts=(Messages(rounds=2),),
             writes={telegrams + telegram: FATAL_WRITE},
             status=(WORDS["WRITE_ERROR"],),
             telegram=telegram,

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.points import fault
-from plcgen.ds47.proof.recorded import members
+from plcgen.ds47.proof.recorded import Record, members
 from plcgen.ds47.proof.scenario import DriveScenario, KindScenarios
 from plcgen.ds47.proof.words import WORDS
 from plcgen.ds47.wire.formats import Format, FormatKind, integer_range, pack_values
@@ -38,7 +38,7 @@ def recipes(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     for number in (0, -1, count + 1, -32768, 32767):
         yield DriveScenario(
             name=f"record {number}",
-            record=number,
+            parts=(Record(record=number),),
             status=(WORDS["NO_RECORD"],),
             telegram=1,
             answered=False,
@@ -65,8 +65,7 @@ def recipes(job: DriveJob, _: int) -> Iterator[DriveScenario]:
 def _refused(name: str, damaged: dict[tuple[int, int], bytes], use: Use, at: int) -> DriveScenario:
     return DriveScenario(
         name=name,
-        damaged=damaged,
-        refused=(use.parameter.pnu, use.subindex + at),
+        parts=(Record(damaged=damaged, refused=(use.parameter.pnu, use.subindex + at)),),
         status=(WORDS["OUTSIDE"],),
         telegram=1,
         answered=False,

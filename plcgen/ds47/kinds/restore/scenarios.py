@@ -11,7 +11,7 @@ from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.keeping import other
 from plcgen.ds47.proof.points import fault, positions
 from plcgen.ds47.proof.polling import not_supported
-from plcgen.ds47.proof.restored import BACK, CHECK, NOT_SAVED, NOW, OLD, OUTCOMES, RETURN, RUNS, WRITE
+from plcgen.ds47.proof.restored import BACK, CHECK, NOT_SAVED, NOW, OLD, OUTCOMES, RETURN, RUNS, WRITE, Restores
 from plcgen.ds47.proof.scenario import DriveScenario, Event, KindScenarios
 from plcgen.ds47.proof.words import DEVIATES, DONE, WORDS
 from plcgen.ds47.sim.drive import Drive
@@ -38,10 +38,10 @@ def restored(job: DriveJob, scenarios: Iterable[DriveScenario]) -> Iterator[Driv
         if one.telegram == OLD or set(one.status) <= _PLAIN:
             yield one
         elif one.checked and (one.telegram > BACK or one.status == last):
-            yield replace(one, status=last or OUTCOMES, causes=one.status)
+            yield replace(one, status=last or OUTCOMES).among(Restores(causes=one.status))
         elif one.checked:
             also = (DONE,) if DONE in one.status else ()
-            yield replace(one, status=(*also, *OUTCOMES), causes=one.status)
+            yield replace(one, status=(*also, *OUTCOMES)).among(Restores(causes=one.status))
         else:
             yield replace(one, status=(*one.status, *OUTCOMES, *last))
 
@@ -58,15 +58,14 @@ def restoring(job: DriveJob, _: int) -> Iterator[DriveScenario]:
 def _refused(job: DriveJob) -> Iterator[DriveScenario]:
     """The drive takes all values but one, or one alone."""
     for place in positions(job.telegrams[1]):
-        for state in (DriveScenario(name="").state, *(STATES if place == 1 else ())):
+        for state in (Restores().state, *(STATES if place == 1 else ())):
             yield DriveScenario(
                 name=f"parameter {place} is refused, the drive reports {state:04X}h",
                 faults=(fault(job, WRITE, place, NOT_ALLOWED, 1),),
                 errors={(WRITE, place): (0x8000 | NOT_ALLOWED, 0)},
                 status=OUTCOMES,
-                causes=(WORDS["PARAMETER_ERROR"],),
+                parts=(Restores(causes=(WORDS["PARAMETER_ERROR"],), state=state),),
                 telegram=WRITE,
-                state=state,
             )
     count = len(job.telegrams[1].parts)
     if count > 1:
@@ -75,9 +74,8 @@ def _refused(job: DriveJob) -> Iterator[DriveScenario]:
             faults=tuple(fault(job, WRITE, place, NOT_ALLOWED, 1) for place in range(1, count)),
             errors={(WRITE, place): (0x8000 | NOT_ALLOWED, 0) for place in range(1, count)},
             status=OUTCOMES,
-            causes=(WORDS["PARAMETER_ERROR"],),
+            parts=(Restores(causes=(WORDS["PARAMETER_ERROR"],), state=RUNS),),
             telegram=WRITE,
-            state=RUNS,
         )
 
 
@@ -88,7 +86,7 @@ def _relax(drive: Drive) -> None:
             parameter.keeps = None
 
 
-def _limits(job: DriveJob, place: int, what: str, **more: Any) -> DriveScenario:
+def _limits(job: DriveJob, place: int, what: str, state: int = Restores().state, **more: Any) -> DriveScenario:
     """The drive makes another value of one, until old values are written back: that is restored."""
     part = _part(job, place)
     events = {RETURN: _relax, **more.pop("events", {})}
@@ -98,7 +96,7 @@ def _limits(job: DriveJob, place: int, what: str, **more: Any) -> DriveScenario:
         events=events,
         errors={(BACK, place): (DEVIATES, part.subindex)},
         status=OUTCOMES,
-        causes=(WORDS["DEVIATES"],),
+        parts=(Restores(state, (WORDS["DEVIATES"],)),),
         telegram=BACK,
         **more,
     )
@@ -143,7 +141,7 @@ def _changed(job: DriveJob) -> Iterator[DriveScenario]:
                 reads={BACK: FATAL_READ},
                 events={NOW: event},
                 status=OUTCOMES,
-                causes=(WORDS["READ_ERROR"],),
+                parts=(Restores(causes=(WORDS["READ_ERROR"],)),),
                 telegram=BACK,
                 answered=False,
                 again=None,
@@ -155,7 +153,7 @@ def _changed(job: DriveJob) -> Iterator[DriveScenario]:
                 errors={(WRITE, place): (0x8000 | NOT_ALLOWED, 0)},
                 events={BACK: event},
                 status=OUTCOMES,
-                causes=(WORDS["PARAMETER_ERROR"],),
+                parts=(Restores(causes=(WORDS["PARAMETER_ERROR"],)),),
                 telegram=WRITE,
                 follow=False,
             )
@@ -166,17 +164,19 @@ def _in_trouble(job: DriveJob) -> Iterator[DriveScenario]:
     failing: dict[str, Any] = {"status": OUTCOMES, "again": None}
     for name, how, word in (
         ("WRREC of the write fails", {"writes": {WRITE: FATAL_WRITE}}, "WRITE_ERROR"),
-        ("it fails while the drive runs", {"writes": {WRITE: FATAL_WRITE}, "state": RUNS}, "WRITE_ERROR"),
+        ("it fails while the drive runs", {"writes": {WRITE: FATAL_WRITE}}, "WRITE_ERROR"),
         ("RDREC of the write fails", {"reads": {WRITE: FATAL_READ}}, "READ_ERROR"),
         ("the write is not supported", {"reads": {WRITE: not_supported}}, "NOT_SUPPORTED"),
     ):
         more: dict[str, Any] = {**failing, **how}
-        yield DriveScenario(name=name, causes=(WORDS[word],), telegram=WRITE, answered=False, **more)
+        state = RUNS if "runs" in name else Restores().state
+        parts = (Restores(state, (WORDS[word],)),)
+        yield DriveScenario(name=name, parts=parts, telegram=WRITE, answered=False, **more)
     for call, calls, status, word in (
         ("WRREC", "writes", FATAL_WRITE, "WRITE_ERROR"),
         ("RDREC", "reads", FATAL_READ, "READ_ERROR"),
     ):
-        more = {**failing, calls: {BACK: status}, "causes": (WORDS[word],)}
+        more = {**failing, calls: {BACK: status}, "parts": (Restores(causes=(WORDS[word],)),)}
         yield DriveScenario(name=f"{call} of telegram {BACK} fails", telegram=BACK, answered=False, **more)
         for telegram in (NOW, RETURN, CHECK):
             more = {"again": None, calls: {telegram: status}}

@@ -11,6 +11,7 @@ from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.deviating import another
 from plcgen.ds47.proof.pace import SCAN
 from plcgen.ds47.proof.polling import FATAL_WRITE, LOST, before, not_supported, polling
+from plcgen.ds47.proof.saved import AnotherSave
 from plcgen.ds47.proof.scenario import DriveScenario, KindScenarios
 from plcgen.ds47.proof.words import WORDS
 from plcgen.ds47.sim.faults import Fault, FaultKind
@@ -35,30 +36,42 @@ def _guard(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
     refused = Fault(FaultKind.ERROR, after=save - 1, number=0x11, position=1, words=1)
     near, far = poll.distance - 15, poll.distance + CLOCK_MS
     yield DriveScenario(name="a save before another", follow=False)
-    yield DriveScenario(name="at once again", since=0, status=soon, checked=False, follow=False)
-    yield DriveScenario(name="again just within the distance", since=near, status=soon, checked=False, follow=False)
-    yield DriveScenario(name="again after the distance", since=far, follow=False)
-    yield DriveScenario(name="1 ms too soon", left=SCAN + 1, status=soon, checked=False, follow=False)
-    yield DriveScenario(name="again behind the start that was too soon", since=0, follow=False)
+    yield DriveScenario(name="at once again", parts=(AnotherSave(since=0),), status=soon, checked=False, follow=False)
+    yield DriveScenario(
+        name="again just within the distance",
+        parts=(AnotherSave(since=near),),
+        status=soon,
+        checked=False,
+        follow=False,
+    )
+    yield DriveScenario(name="again after the distance", parts=(AnotherSave(since=far),), follow=False)
+    yield DriveScenario(
+        name="1 ms too soon", parts=(AnotherSave(left=SCAN + 1),), status=soon, checked=False, follow=False
+    )
+    yield DriveScenario(name="again behind the start that was too soon", parts=(AnotherSave(since=0),), follow=False)
     yield DriveScenario(
         name="a save of which nobody knows whether the drive took it",
         reads={save: LOST}, status=(WORDS["UNKNOWN"],), telegram=save, answered=False, follow=False,
     )  # fmt: skip
-    yield DriveScenario(name="at once again, it may have", since=0, status=soon, checked=False, follow=False)
+    yield DriveScenario(
+        name="at once again, it may have", parts=(AnotherSave(since=0),), status=soon, checked=False, follow=False
+    )
     for name, how in (
         ("refuses", {"faults": (refused,), "errors": {(save, 1): (0x8011, 0)}, "status": (WORDS["PARAMETER_ERROR"],)}),
         ("does not get", {"writes": {save: FATAL_WRITE}, "answered": False, "status": (WORDS["WRITE_ERROR"],)}),
         ("does not know", {"reads": {save: not_supported}, "answered": False, "status": (WORDS["NOT_SUPPORTED"],)}),
     ):
         yield DriveScenario(name=f"a save that the drive {name}", telegram=save, follow=False, **how)
-        yield DriveScenario(name=f"at once again: the drive {name} the first", since=0, follow=False)
+        yield DriveScenario(
+            name=f"at once again: the drive {name} the first", parts=(AnotherSave(since=0),), follow=False
+        )
 
 
 def _deviation(job: DriveJob) -> Iterator[DriveScenario]:
     """What is not as written is not saved; the next start may be at once."""
     telegram = next(one for one in job.telegrams if one.parts[0].use.as_(Verify))
     yield replace(another(telegram, 1), follow=False)
-    yield DriveScenario(name="at once again: nothing was saved", since=0, follow=False)
+    yield DriveScenario(name="at once again: nothing was saved", parts=(AnotherSave(since=0),), follow=False)
 
 
 SCENARIOS = (KindScenarios(20, lambda job: job.guarded, saving),)

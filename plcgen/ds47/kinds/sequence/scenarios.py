@@ -14,6 +14,7 @@ from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.ds47.proof.block_clock import STANDSTILL_MS
 from plcgen.ds47.proof.points import replaced_values, value_at
 from plcgen.ds47.proof.scenario import Contents, DriveScenario, Edit, KindScenarios
+from plcgen.ds47.proof.stepped import Steps
 from plcgen.ds47.proof.words import WORDS
 from plcgen.ds47.sim.faults import Fault, FaultKind
 from plcgen.ds47.wire.formats import FormatKind, integer_range, pack_values, unpack_values
@@ -74,7 +75,7 @@ def _near(telegram: DriveTelegram, place: int, part: Part) -> Iterator[DriveScen
     for data in _values(part):
         shown = f"{data.hex(' ').upper()} comes at place {place} of telegram {number}"
         scenario = DriveScenario(name=shown, reads={number: replaced_values(telegram, {place: data})}, follow=False)
-        yield scenario if _holds(part, data) else replace(scenario, questions={number: 2})
+        yield scenario if _holds(part, data) else scenario.among(Steps(questions={number: 2}))
 
 
 def _apart(telegram: DriveTelegram, place: int, part: Part) -> Iterator[DriveScenario]:
@@ -88,7 +89,7 @@ def _apart(telegram: DriveTelegram, place: int, part: Part) -> Iterator[DriveSce
                 name=f"telegram {number} comes with bit {bit} wrong, values {values}",
                 values=values,
                 reads={number: _wrong(telegram, (place,), bit)},
-                questions={number: 2},
+                parts=(Steps(questions={number: 2}),),
                 follow=False,
             )
 
@@ -105,10 +106,14 @@ def _late(job: DriveJob, telegram: DriveTelegram, awaited: Wait) -> Iterator[Dri
         yield DriveScenario(
             name=f"telegram {number} is never as wanted at {where}, a question comes {end} ms behind the limit",
             reads=dict.fromkeys(range(number, MANY), _missing(telegram, places)),
-            questions={number: awaited.limit // awaited.interval + 2},
+            parts=(
+                Steps(
+                    questions={number: awaited.limit // awaited.interval + 2},
+                    missed=telegram.parts[places[0] - 1].use.parameter.pnu,
+                ),
+            ),
             status=(WORDS["NOT_REACHED"],),
             telegram=number,
-            missed=telegram.parts[places[0] - 1].use.parameter.pnu,
             scan=wide,
             took=(awaited.limit, awaited.limit + 2 * awaited.interval + STANDSTILL_MS + slack * wide // 10),
             sharp=end,
@@ -117,7 +122,7 @@ def _late(job: DriveJob, telegram: DriveTelegram, awaited: Wait) -> Iterator[Dri
     yield DriveScenario(
         name=f"telegram {number} is answered as wanted the {count + 1}. time",
         reads=dict.fromkeys(range(number, number + count), missing),
-        questions={number: count + 1},
+        parts=(Steps(questions={number: count + 1}),),
         took=(count * awaited.interval, count * awaited.interval + slack),
     )
 
@@ -130,7 +135,7 @@ def _trouble(job: DriveJob, telegram: DriveTelegram, awaited: Wait) -> Iterator[
     yield DriveScenario(
         name=f"the drive refuses telegram {number} the second time",
         reads={number: missing},
-        questions={number: 2},
+        parts=(Steps(questions={number: 2}),),
         faults=(Fault(FaultKind.ERROR, after=before, number=NOT_ALLOWED, position=1, words=1),),
         status=(WORDS["PARAMETER_ERROR"],),
         telegram=number,
@@ -139,7 +144,7 @@ def _trouble(job: DriveJob, telegram: DriveTelegram, awaited: Wait) -> Iterator[
     yield DriveScenario(
         name=f"telegram {number} is not answered the second time",
         reads={number: missing, **dict.fromkeys(range(number + 1, MANY), STATE_CONFLICT)},
-        questions={number: 2},
+        parts=(Steps(questions={number: 2}),),
         status=tuple(WORDS[name] for name in ("RETRIES", "TIMEOUT", "NO_PLACE")),
         telegram=number,
         answered=False,
@@ -150,21 +155,27 @@ def _trouble(job: DriveJob, telegram: DriveTelegram, awaited: Wait) -> Iterator[
     yield DriveScenario(
         name=f"another job is in the slot when the answer to telegram {number} says no",
         reads={number: missing},
-        robbed=number,
+        parts=(Steps(robbed=number),),
         status=(WORDS["SLOT_TAKEN"],),
         checked=False,
     )
-    short: dict[str, Any] = {"reads": {number: missing}, "questions": {number: 2}}
-    yield DriveScenario(name=f"the CPU stands still when telegram {number} is answered", still=number, **short)
+    reads, twice = {number: missing}, {number: 2}
     yield DriveScenario(
-        name=f"another job has the unit when telegram {number} is due again", taken=awaited.interval + 200, **short
+        name=f"the CPU stands still when telegram {number} is answered",
+        reads=reads,
+        parts=(Steps(still=number, questions=twice),),
+    )
+    yield DriveScenario(
+        name=f"another job has the unit when telegram {number} is due again",
+        parts=(Steps(taken=awaited.interval + 200, questions=twice),),
+        reads=reads,
     )
     yield DriveScenario(
         name=f"another job has the unit for too long when telegram {number} is due again",
-        taken=awaited.interval + 10_000,
+        parts=(Steps(taken=awaited.interval + 10_000, questions=twice),),
         status=(WORDS["OCCUPIED"],),
         telegram=number,
-        **short,
+        reads=reads,
     )
 
 
@@ -179,7 +190,9 @@ def _all_late(waits: list[DriveTelegram]) -> DriveScenario:
         first = telegram.number + sum(questions[one] - 1 for one in questions if one < telegram.number)
         missing = _missing(telegram, range(1, len(telegram.parts) + 1))
         reads.update(dict.fromkeys(range(first, first + count), missing))
-    return DriveScenario(name="every step waits", reads=reads, questions=questions, meddle=True, guarded=True)
+    return DriveScenario(
+        name="every step waits", reads=reads, parts=(Steps(questions=questions),), meddle=True, guarded=True
+    )
 
 
 def _wide(job: DriveJob, awaited: Wait) -> int:
@@ -193,18 +206,22 @@ def _last_never(job: DriveJob, waits: list[DriveTelegram]) -> Iterator[DriveScen
     if len(waits) == 1 or awaited is None:
         return
     late = _all_late(waits)
-    first = last.number + sum(count - 1 for number, count in late.questions.items() if number < last.number)
+    first = last.number + sum(count - 1 for number, count in late.of(Steps).questions.items() if number < last.number)
     missing = _missing(last, range(1, len(last.parts) + 1))
     wide = _wide(job, awaited)
-    slack = wide * TELEGRAM_SCANS * (len(job.telegrams) + sum(late.questions.values()))
-    waited = sum((late.questions[one.number] - 1) * one.awaited.interval for one in waits[:-1] if one.awaited)
+    slack = wide * TELEGRAM_SCANS * (len(job.telegrams) + sum(late.of(Steps).questions.values()))
+    waited = sum((late.of(Steps).questions[one.number] - 1) * one.awaited.interval for one in waits[:-1] if one.awaited)
     yield DriveScenario(
         name="every step waits, the last one in vain",
         reads={**late.reads, **dict.fromkeys(range(first, MANY), missing)},
-        questions={**late.questions, last.number: awaited.limit // awaited.interval + 2},
+        parts=(
+            Steps(
+                questions={**late.of(Steps).questions, last.number: awaited.limit // awaited.interval + 2},
+                missed=last.parts[0].use.parameter.pnu,
+            ),
+        ),
         status=(WORDS["NOT_REACHED"],),
         telegram=last.number,
-        missed=last.parts[0].use.parameter.pnu,
         scan=wide,
         sharp=0,
         took=(waited + awaited.limit, waited + awaited.limit + 2 * awaited.interval + STANDSTILL_MS + slack),
@@ -218,7 +235,7 @@ def _in_a_pause(telegram: DriveTelegram, scans: int) -> Iterator[DriveScenario]:
     assert awaited is not None  # noqa: S101 - chosen so
     missing = _missing(telegram, range(1, len(telegram.parts) + 1))
     last = scans + awaited.interval // 10
-    late: dict[str, Any] = {"reads": {number: missing}, "questions": {number: 2}}
+    late: dict[str, Any] = {"reads": {number: missing}, "parts": (Steps(questions={number: 2}),)}
     for at in range(2, last, max(1, last // POINTS)):
         yield DriveScenario(
             name=f"execute falls before scan {at}, telegram {number} late", happens={at: "drop"}, **late
