@@ -28,7 +28,7 @@ _SECTIONS = {
         outputs; with outputs alone the output address, and output_address: true. The master's DP interface must be
         set to DPV1. S7-1200/1500: the identifier of that slot. Record index 47.""",
     "Communications processors": """
-        S7-300: WRREC and RDREC (SFB 52, 53) do not reach a drive behind a CP 343-1 (PROFINET, it has PNIO_RW_REC) or a
+        S7-300: WRREC and RDREC (SFB 52, 53) do not reach a drive at a CP 343-1 (PROFINET, it has PNIO_RW_REC) or a
         CP 342-5 (PROFIBUS, DP-V0). S7-400, S7-1200/1500: what a CP or CM is the controller or master of is
         addressed like what is connected to the CPU.""",
     "In the spec": """
