@@ -46,7 +46,7 @@ Subject = tuple[str, Sequence["Diagnostic"]]
 @click.argument("paths", nargs=-1, type=PATH, metavar="SPEC|SOURCE|FOLDER...")
 @click.option(
     "--target",
-    type=click.Choice(TARGETS),
+    type=click.Choice(TARGETS, case_sensitive=False),
     metavar="TARGET",
     help=f"Compiler of the sources: {', '.join(TARGETS)} (S7-1200 too).  [default: any of them]",
 )

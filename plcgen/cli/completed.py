@@ -39,6 +39,6 @@ def codes(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list
 
 def pages(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Pages of the documentation."""
-    from plcgen.cli.docs import documented
+    from plcgen.base.resources import documented
 
     return [name for name in documented() if name.startswith(incomplete)]

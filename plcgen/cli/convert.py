@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from plcgen.base.diagnostics.counting import quantity
-from plcgen.cli.options import PATH, console, format_option, tia_option, verb
+from plcgen.cli.options import PATH, console, format_option, toolchain_option, verb
 from plcgen.cli.output import OK, PROBLEMS
 
 if TYPE_CHECKING:
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 @verb(
     "convert",
-    "plcgen convert scl udt db --to xml --tia V18 --out xml",
+    "plcgen convert scl udt db --to xml --toolchain tia-v18 --out xml",
     "plcgen convert export/Motor.xml --to scl --out scl",
     "plcgen convert old.scl --to xml --classic --out xml",
 )
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="FILE|FOLDER...")
 @click.option("--to", type=click.Choice(["scl", "xml"]), required=True, help="Text sources, or SimaticML.")
 @click.option("--out", "folder", type=PATH, required=True, metavar="DIR", help="Output folder.")
-@tia_option("Oldest TIA Portal that must be able to import the documents")
+@toolchain_option("Oldest TIA Portal that must be able to import the documents")
 @click.option("--classic", is_flag=True, help="The blocks are for S7-300/400.")
 @click.option("--culture", default="en-US", show_default=True, metavar="TAG", help="Language of comments in documents.")
 @click.option("--encoding", metavar="NAME", help="Code page of ANSI sources, such as cp1252.  [default: guessed]")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from plcgen.base.resources import docs_dir
+from plcgen.base.resources import documented
 from plcgen.cli.completed import pages as completed
 from plcgen.cli.options import console, verb
 from plcgen.cli.output import OK
@@ -39,12 +39,6 @@ def command(*, page: str | None) -> int:
         raise click.UsageError(f'there is no page "{page}"{f", {hint}" if hint else "; plcgen docs lists them"}')
     console().result(path.read_text("utf-8"))
     return OK
-
-
-def documented() -> dict[str, Path]:
-    """Every page by its name below ``docs``, without its ending."""
-    folder = docs_dir()
-    return {path.relative_to(folder).with_suffix("").as_posix(): path for path in sorted(folder.rglob("*.md"))}
 
 
 def _title(path: Path) -> str:

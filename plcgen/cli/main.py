@@ -21,7 +21,8 @@ SECTIONS: Sections = (
         (
             ("new", "Write a commented starter spec."),
             ("check", "Check specs and show every problem at its place."),
-            ("schema", "Print the JSON schema of a spec, or the known devices."),
+            ("devices", "List the devices that a spec may name."),
+            ("schema", "Print the JSON schema of a spec."),
         ),
     ),
     (
@@ -77,7 +78,7 @@ def _hint(name: str) -> str:
     if name in {"help", "version"}:
         return f": it is an option, plcgen --{name}"
     if name in {"device", "devices"}:
-        return ": plcgen schema --devices lists the devices"
+        return ": plcgen devices lists them"
     if name.lower().endswith((".yaml", ".yml")) or Path(name).is_file():
         return f": a verb comes first, for example plcgen check {name}"
     return ""

@@ -67,10 +67,10 @@ def _toolchain(family: str, given: str | None) -> str:
 
     from plcgen.base.diagnostics.suggest import did_you_mean
     from plcgen.project.schema import Toolchain
-    from plcgen.project.target import combination_problem
+    from plcgen.project.target import combination_problem, toolchain_id
 
     known = get_args(Toolchain)
-    tool = given or "tia-v17"
+    tool = toolchain_id(given or "tia-v17")
     if tool not in known:
         hint = did_you_mean(tool, known)
         message = f'unknown toolchain "{tool}"{f", {hint}" if hint else ""}; known: {", ".join(known)}'

@@ -242,19 +242,37 @@ class _FormatOption(click.Option):
         return super().get_help_record(ctx)
 
 
-def tia_option(what: str) -> Callable[[Callback], Callback]:
-    """Add ``--tia``, the version of the TIA Portal that documents are for; the parameter is called ``version``."""
-    from plcgen.s7.xml.versions import VERSIONS
+class _ToolchainOption(click.Option):
+    """``--toolchain``, which was ``--tia`` until 0.2.0: that name still works and is not shown."""
 
-    versions = tuple(VERSIONS)
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        """Without the old name."""
+        record = super().get_help_record(ctx)
+        return (record[0].replace(", --tia", ""), record[1]) if record is not None else None
+
+
+def _document_version(ctx: click.Context, param: click.Parameter, value: str) -> str:
+    """Version of the documents of a toolchain."""
+    from plcgen.project.target import XML_VERSIONS, toolchain_id
+
+    found = XML_VERSIONS.get(toolchain_id(value))
+    if found is None:
+        raise click.BadParameter(f'"{value}" is not one of {", ".join(XML_VERSIONS)}', ctx, param)
+    return found
+
+
+def toolchain_option(what: str) -> Callable[[Callback], Callback]:
+    """Add ``--toolchain``, the tool that documents are for; the parameter ``version`` is theirs."""
     return click.option(
+        "--toolchain",
         "--tia",
         "version",
-        type=click.Choice(versions, case_sensitive=False),
-        default="V16",
+        cls=_ToolchainOption,
+        default="tia-v16",
         show_default=True,
-        metavar="VERSION",
-        help=f"{what}: {versions[0]}, {versions[1]} .. {versions[-1]}.",
+        metavar="TOOL",
+        callback=_document_version,
+        help=f"{what}: tia-v14sp1, tia-v15 .. tia-v21.",
     )
 
 

@@ -26,7 +26,7 @@ plc:
 
 drives:
   drive1:
-    device: {device} | {title}; others: plcgen schema --devices
+    device: {device} | {title}; others: plcgen devices
     {address} | {address_hint}: plcgen explain hardware-id
     drive_object: {drive_object} | {rule}
 

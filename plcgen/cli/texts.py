@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from plcgen.cli.convert import is_culture
-from plcgen.cli.options import PATH, console, device_option, tia_option, verb
+from plcgen.cli.options import PATH, console, device_option, toolchain_option, verb
 from plcgen.cli.output import OK
 from plcgen.ds47.wire.errors import TABLES, Table
 
@@ -19,7 +19,7 @@ DEFAULT = ("en-US", "de-DE", "zh-CN")
     "texts",
     "plcgen texts",
     "plcgen texts --language de-DE --language zh-CN --format xlsx --format csv",
-    "plcgen texts --format xml --tia V19 --errors profidrive -o hmi",
+    "plcgen texts --format xml --toolchain tia-v19 --errors profidrive -o hmi",
     "plcgen texts --device sinamics-g120c",
 )
 @click.option(
@@ -28,7 +28,7 @@ DEFAULT = ("en-US", "de-DE", "zh-CN")
 @click.option(
     "--format", "formats", multiple=True, type=click.Choice(FORMATS), help="Format to write.  [default: xlsx]"
 )
-@tia_option("TIA Portal version that xml names")
+@toolchain_option("TIA Portal version that xml names")
 @click.option(
     "--errors",
     type=click.Choice(TABLES),

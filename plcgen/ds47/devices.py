@@ -57,7 +57,7 @@ def _installed(name: str, place: Span) -> Path:
     if name in _packaged():
         return _packaged()[name]
     known = device_names()
-    help_ = f"{device_hint(name, known)} plcgen schema --devices lists them".strip()
+    help_ = f"{device_hint(name, known)} plcgen devices lists them".strip()
     raise DiagnosticError([Diagnostic("PG201", f'unknown device "{name}"', place, help=help_)])
 
 

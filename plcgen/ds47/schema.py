@@ -91,7 +91,7 @@ RecordIndex = Annotated[
 Profile = Annotated[
     Printed,
     Field(
-        description="device profile, see plcgen schema --devices, or the path of one beside the spec",
+        description="device profile, see plcgen devices, or the path of one beside the spec",
         json_schema_extra=offer_names,
     ),
 ]

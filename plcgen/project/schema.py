@@ -14,6 +14,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, Wit
 from plcgen.base.files.printed import Name, Printed
 from plcgen.base.files.validation import StrictModel, problem
 from plcgen.project.editor import DURATION
+from plcgen.project.target import toolchain_id
 from plcgen.project.variables import NAME
 from plcgen.s7.types.families import Family
 
@@ -42,6 +43,11 @@ def _text(value: object) -> object:
 def _cpu_name(value: object) -> object:
     """``cpu: 314`` is a name."""
     return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+def _toolchain(value: object) -> object:
+    """``V19`` and ``TIA-V19`` are ``tia-v19``."""
+    return toolchain_id(value) if isinstance(value, str) else value
 
 
 def trigger_short(value: object) -> object:
@@ -156,7 +162,9 @@ class Plc(StrictModel):
     name: Name = Field(min_length=1, max_length=120, description="project or station name, used in headers")
     family: Family = Field(description="CPU family")
     cpu: CpuName | None = Field(None, description="CPU type, such as 315-2DP: what does not fit it is a warning")
-    toolchain: Toolchain = Field(description="engineering tool that imports the sources")
+    toolchain: Annotated[Toolchain, BeforeValidator(_toolchain)] = Field(
+        description="engineering tool that imports the sources"
+    )
     names: Naming = Field("style", description="member names: style guide (camelCase) or FAQ 109750712")
     languages: tuple[Name, ...] = Field(
         ("en-US",), min_length=1, max_length=16, description="comment languages; the first is the main one"

@@ -45,7 +45,7 @@ class Target:
         return not self.t15
 
 
-_XML_VERSIONS = {
+XML_VERSIONS = {
     "tia-v14sp1": "V14 SP1", "tia-v15": "V15", "tia-v15.1": "V15.1", "tia-v16": "V16", "tia-v17": "V17",
     "tia-v18": "V18", "tia-v19": "V19", "tia-v20": "V20", "tia-v21": "V21",
 }  # fmt: skip
@@ -60,6 +60,12 @@ _NUMBERS = {
 _FLAGS = {"s7-300": 8192, "s7-400": 16384, "s7-1200": 8192, "s7-1500": 16384}
 
 
+def toolchain_id(text: str) -> str:
+    """The id of a toolchain in any of its spellings: ``TIA-V19``, ``V19`` and ``v14 sp1`` are ids of the TIA Portal."""
+    plain = text.strip().lower().replace(" ", "")
+    return f"tia-{plain}" if plain.startswith("v") else plain
+
+
 def target(family: str, toolchain: str, cpu: CpuType | None = None) -> Target:
     """Describe a target; the combination has been checked by :func:`combination_problem`."""
     return _target(family, toolchain) if cpu is None else replace(_target(family, toolchain), cpu=cpu)
@@ -70,7 +76,7 @@ def _target(family: str, toolchain: str) -> Target:
     new = family in {"s7-1200", "s7-1500"}
     v5 = toolchain == "step7-v5"
     dialect = Dialect.TIA_1200_1500 if new else Dialect.STEP7_V5 if v5 else Dialect.TIA_300_400
-    xml = _XML_VERSIONS.get(toolchain)
+    xml = XML_VERSIONS.get(toolchain)
     return Target(family, toolchain, dialect, "cp1252" if v5 else "utf-8-sig", xml, _NUMBERS[family], _FLAGS[family])
 
 

@@ -29,7 +29,8 @@ WRITES = {
     "diff": (["a.db", "b.db"], "comparison"),
     "lock": (["b.db", "--check"], "comparison"),
     "audit": (["a.db", "--spec", "job.yaml"], "verification"),
-    "schema": (["--devices"], "answer"),
+    "schema": (["output"], ""),
+    "devices": ([], "answer"),
 }
 """Verbs with --output: how they are called, and the kind of their result."""
 FOREIGN = {

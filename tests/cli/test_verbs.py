@@ -34,7 +34,7 @@ def test_check_bad(plcgen, bad):
         "  |\n"
         "3 |   dcm: {device: sinamics-dcmm, address: 256, drive_object: 2}\n"
         "  |                 ^^^^^^^^^^^^^\n"
-        '  = help: did you mean "sinamics-dcm"? plcgen schema --devices lists them\n'
+        '  = help: did you mean "sinamics-dcm"? plcgen devices lists them\n'
     )
     assert result.err == "\n1 error in bad.yaml\n"
 
