@@ -39,7 +39,7 @@ fuzz: $(READY)
 	PLCGEN_FUZZ=100000 $(BIN)/python -m pytest -q tests/ds47/live/test_pn_fuzz.py
 
 bench: $(READY)
-	$(BIN)/python -m tests.bench
+	$(BIN)/python -m tests.bench $(if $(SHORT),--short)
 
 # How large the package is: lines, small files, functions that are used once, circles.
 house: $(READY)

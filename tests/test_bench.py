@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from collections.abc import Callable
 
 import pytest
 
-from tests.bench import cpu_speed, scl_speed
+from tests.bench import cpu_speed, scale, scl_speed
+from tests.bench.specs import grid, many_jobs
 
 
 @pytest.fixture(autouse=True)
@@ -34,3 +37,13 @@ def test_the_front_end_beside_its_peers(capsys: pytest.CaptureFixture[str]) -> N
     out = capsys.readouterr().out
     assert "not installed" not in out
     assert out.count("ratio") == 3
+
+
+def test_the_largest_plants_fit_an_engine() -> None:
+    """At most 512 units, and 64 job instances on each (docs/generated-code.md): larger specs are refused (PG225)."""
+    for text in (many_jobs(10_000), grid(*scale.SIZES[10_000])):
+        assert text.count("{device:") <= 512
+        drives = re.findall(r"{drive: \[?([\w, ]+?)\]?, (?:read|write)", text)
+        instances = Counter(name for listed in drives for name in listed.split(", "))
+        assert sum(instances.values()) == 10_000
+        assert max(instances.values()) <= 64

@@ -6,6 +6,8 @@ import struct
 import time
 from collections.abc import Callable
 
+GOAL = 20
+"""Times as long as struct alone, which neither checks nor names anything."""
 TELEGRAMS = tuple(
     bytes.fromhex(text)
     for text in (

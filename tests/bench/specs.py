@@ -7,9 +7,13 @@ drives:
 """
 
 
+MOST_UNITS = 500
+"""A CPU has 512 places for units."""
+
+
 def many_jobs(count: int) -> str:
-    """A spec of ``count`` jobs on ``count / 10`` drives: reads, constant writes and block inputs in turn."""
-    drives = max(1, count // 10)
+    """A spec of ``count`` jobs on ``count / 10`` drives, 500 at most: reads, constant writes and inputs in turn."""
+    drives = min(max(1, count // 10), MOST_UNITS)
     lines = [HEAD]
     lines += [
         f"  axis_{i}: {{device: sinamics-s120, hardware_id: {256 + i}, drive_object: 3}}\n" for i in range(drives)
