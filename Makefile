@@ -96,8 +96,11 @@ docs: $(READY)
 
 # The documentation as a site, in the folder site; MkDocs has an environment of its own.
 SITE := .venv-site/bin
+# Packages of a dependency group: the pip of Python 3.11 has no --group.
+GROUP := $(PYTHON) -c 'import sys, tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["dependency-groups"][sys.argv[1]], sep="\n")'
 site:
-	@test -x $(SITE)/mkdocs || { $(PYTHON) -m venv .venv-site && $(SITE)/pip install --quiet --disable-pip-version-check ".[site]"; }
+	@test -x $(SITE)/mkdocs || { $(PYTHON) -m venv .venv-site && $(GROUP) site > .venv-site/site.in && \
+	  $(SITE)/pip install --quiet --disable-pip-version-check -r .venv-site/site.in .; }
 	NO_MKDOCS_2_WARNING=1 $(SITE)/mkdocs build --strict --quiet --config-file .github/mkdocs.yml
 
 # Screenshots of review pages for the documentation; needs Chromium.
@@ -110,7 +113,8 @@ COMPILE = $(BIN)/pip-compile --quiet --generate-hashes --allow-unsafe --strip-ex
   --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 lock:
 	$(BIN)/pip install --quiet pip-tools
-	$(COMPILE) --extra dev -o requirements.lock pyproject.toml
+	$(GROUP) dev > $(VENV)/dev.in
+	$(COMPILE) -o requirements.lock pyproject.toml $(VENV)/dev.in
 	@for name in runtime build sbom; do cp requirements.lock .ci/$$name.lock; done # the versions to begin with
 	$(COMPILE) -o .ci/runtime.lock pyproject.toml
 	printf 'build\nhatchling\n' | $(COMPILE) -o .ci/build.lock -

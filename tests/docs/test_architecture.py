@@ -58,15 +58,11 @@ def test_third_party_libraries_have_one_place_each() -> None:
     assert found == {name: {home} for name, home in HOMES.items()}
 
 
-MADE_WITH = ("dev", "site")
-
-
 @pytest.mark.slow
 def test_dependencies_are_imported() -> None:
-    """Whatever the package or one of its extras installs is used by the package; dev and site are for developers."""
+    """Whatever the package or one of its extras installs is used by the package; what developers need is a group."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-    offered = project["optional-dependencies"].items()
-    extras = [need for name, needs in offered if name not in MADE_WITH for need in needs]
+    extras = [need for needs in project["optional-dependencies"].values() for need in needs]
     needs = (need for need in (*project["dependencies"], *extras) if not need.startswith("plcgen["))
     names = {re.split(r"[<>=]", need)[0] for need in needs}
     module = {"PyYAML": "yaml", "pyserial": "serial", "python-snap7": "snap7"}
