@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Protocol
+from typing import Any, NamedTuple
 
 from plcgen.base.diagnostics import Diagnostic, has_errors
 from plcgen.base.diagnostics.counting import quantity
@@ -19,7 +19,7 @@ from plcgen.ppi.wire.areas import ITEM_LIMIT
 from plcgen.ppi.wire.description import frame_text
 from plcgen.ppi.wire.dissect import dissect, title
 from plcgen.ppi.wire.errors import TOLERABLE, Kind, Violation
-from plcgen.ppi.wire.model import Item, Pdu, ReadReply, ReadRequest, VariableFrame, WriteReply, WriteRequest
+from plcgen.ppi.wire.model import Item, ItemWrite, Pdu, ReadReply, ReadRequest, VariableFrame, WriteReply, WriteRequest
 from plcgen.ppi.wire.pack import mismatches
 from plcgen.ppi.wire.stream import FrameCountCheck
 from plcgen.ppi.wire.telegram import Examination, examine
@@ -29,20 +29,14 @@ _REFERENCE = 11
 """Offset of the reference in an SD2 frame."""
 
 
-class StreamPiece(Protocol):
-    """Bytes of a stream that belong together."""
+class StreamPiece(NamedTuple):
+    """Bytes of a stream that belong together, from ``offset`` on: what is, or starts like, a frame (``telegram``), or
+    something between two frames.
+    """
 
-    @property
-    def offset(self) -> int:
-        """Where they start in the stream."""
-
-    @property
-    def data(self) -> bytes:
-        """The bytes."""
-
-    @property
-    def telegram(self) -> bool:
-        """Whether they are, or start like, a frame."""
+    offset: int
+    data: bytes
+    telegram: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,13 +93,7 @@ class _Context:
             return found, ()
         wrong = mismatches(request, pdu)
         found += [Violation(Kind.MISMATCH, _REFERENCE, violation.message) for violation in wrong]
-        return found, () if wrong else _items(request)
-
-
-def _items(request: ReadRequest | WriteRequest) -> tuple[Item, ...]:
-    if isinstance(request, ReadRequest):
-        return request.items
-    return tuple(entry.item for entry in request.items)
+        return found, () if wrong else tuple(e.item if isinstance(e, ItemWrite) else e for e in request.items)
 
 
 def _telegram(piece: StreamPiece, context: _Context, *, tolerant: bool) -> DecodedFrame:
@@ -132,11 +120,6 @@ def _telegram(piece: StreamPiece, context: _Context, *, tolerant: bool) -> Decod
 
 def _kind(data: bytes, pdu: Pdu | None) -> str:
     return title(data) if pdu is None else f"{title(data)}, reference {pdu.reference}"
-
-
-def decoded_text(telegram: DecodedFrame, view: View) -> str:
-    """Table of all fields; ``!`` marks the wrong ones."""
-    return telegram_text(telegram.table, view)
 
 
 def short_text(telegrams: Sequence[DecodedFrame], view: View) -> str:
@@ -169,7 +152,7 @@ def telegrams_answer(
 
 
 def _text(telegrams: Sequence[DecodedFrame], view: View) -> str:
-    return "\n".join(decoded_text(telegram, view) for telegram in telegrams)
+    return "\n".join(telegram_text(telegram.table, view) for telegram in telegrams)
 
 
 def _violation(violation: Violation) -> dict[str, Any]:

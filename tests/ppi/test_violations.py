@@ -3,7 +3,7 @@
 import pytest
 
 from plcgen.ppi.wire.areas import Area
-from plcgen.ppi.wire.errors import Kind, PpiError
+from plcgen.ppi.wire.errors import TOLERABLE, Kind, PpiError
 from plcgen.ppi.wire.fdl import checksum, encode_frame
 from plcgen.ppi.wire.model import (
     Acknowledgement,
@@ -132,22 +132,22 @@ def test_all_violations_at_once():
     ]  # fmt: skip
 
 
-def test_what_tolerant_accepts_is_listed():
+def test_what_is_tolerable_is_read_all_the_same():
     """F9 and FE for E5, a pad after the last value of a reply, values without pads in between; nothing else."""
-    assert decode_telegram(b"\xf9", tolerant=True).frame == Acknowledgement()
-    assert decode_telegram(b"\xf9", tolerant=True).tolerated[0].kind is Kind.ACKNOWLEDGEMENT
-    assert decode_telegram(b"\xe5", tolerant=True).tolerated == ()
+    seen = examine(b"\xf9")
+    assert (seen.frame, [found.kind for found in seen.violations]) == (Acknowledgement(), [Kind.ACKNOWLEDGEMENT])
+    assert not examine(b"\xe5").violations
     padded = bytes.fromhex("32 03 00 00 00 00 00 02 00 06 00 00 04 01 FF 04 00 08 22 00")
     bare = bytes.fromhex("32 03 00 00 00 00 00 02 00 0A 00 00 04 02 FF 04 00 08 5A FF 04 00 08 22")
     for pdu, values in ((padded, (b"\x22",)), (bare, (b"\x5a", b"\x22"))):
         with pytest.raises(PpiError) as caught:
             decode_pdu(pdu)
         assert caught.value.kinds == (Kind.PAD,)
-        reply = decode_pdu(pdu, tolerant=True)
+        assert {Kind.PAD, Kind.ACKNOWLEDGEMENT} <= TOLERABLE
+        reply = examine_pdu(pdu)[0]
         assert isinstance(reply, ReadReply)
         assert tuple(result.data for result in reply.results) == values
-    with pytest.raises(PpiError):
-        decode_telegram(changed(POLL, (4, 0), fcs=False), tolerant=True)
+    assert {found.kind for found in examine(changed(POLL, (4, 0), fcs=False)).violations} - TOLERABLE
 
 
 def test_a_station_answers_wrong_items():
@@ -156,7 +156,7 @@ def test_a_station_answers_wrong_items():
     pdu[20] = 0x85
     with pytest.raises(PpiError):
         decode_pdu(bytes(pdu))
-    request = decode_pdu(bytes(pdu), answerable=True)
+    request = examine_pdu(bytes(pdu))[0]
     assert request == ReadRequest(0, (Item(0x85, 2, 1, 800, 1),))
 
 

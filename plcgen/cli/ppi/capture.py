@@ -8,6 +8,7 @@ from itertools import pairwise
 
 from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.cli.hexbytes import HexError, HexText, hex_problem, parse_hex, strip_comment
+from plcgen.ppi.texts import StreamPiece
 from plcgen.ppi.wire.fdl import SD1, SD2, SD3, SD4
 from plcgen.ppi.wire.stream import split
 
@@ -17,20 +18,6 @@ _DIRECTION = r"\[?(?:TX|RX|SEND|RECV|OUT|IN|WRITE|READ|REQ|RES)\]?\s*:?|->|<-|>>
 _PREFIX = re.compile(rf"\s*(?:{_TIME})?(?:{_DIRECTION})[:\s]+", re.IGNORECASE)
 _STARTS = frozenset({SD1, SD2, SD3, SD4})
 _HEAD = re.compile(rb"\x68(.)\1\x68|\x10[\x00-\x7f]{2}.", re.DOTALL)
-
-
-@dataclass(frozen=True, slots=True)
-class CapturedPiece:
-    """Bytes that belong together: a frame, or what was found between frames (``frame`` False)."""
-
-    offset: int
-    data: bytes
-    frame: bool
-
-    @property
-    def telegram(self) -> bool:
-        """Whether it is worth taking apart: a frame, or something that starts like one."""
-        return self.frame or self.data[0] in _STARTS
 
 
 @dataclass(slots=True)
@@ -68,21 +55,22 @@ class Capture:
         column, length = parsed.place(offset - start)
         return Span(self.name, number, column + 1, number, column + 1 + length)
 
-    def pieces(self, *, tolerant: bool) -> list[CapturedPiece]:
+    def pieces(self, *, tolerant: bool) -> list[StreamPiece]:
         """Frames and what lies between them; garbage is cut where a line or something like a frame starts."""
-        found: list[CapturedPiece] = []
+        found: list[StreamPiece] = []
         for chunk in split(bytes(self.data), tolerant=tolerant):
             if chunk.frame:
-                found.append(CapturedPiece(chunk.offset, chunk.data, frame=True))
+                found.append(StreamPiece(chunk.offset, chunk.data, telegram=True))
             else:
                 found += self._cut(chunk.offset, chunk.data)
         return found
 
-    def _cut(self, offset: int, data: bytes) -> list[CapturedPiece]:
+    def _cut(self, offset: int, data: bytes) -> list[StreamPiece]:
         cuts = {start - offset for start, _, _ in self._lines if offset < start < offset + len(data)}
         cuts |= {match.start() for match in _HEAD.finditer(data) if match[0][0] == SD2}
         edges = sorted({0, *cuts, len(data)})
-        return [CapturedPiece(offset + first, data[first:last], frame=False) for first, last in pairwise(edges)]
+        pieces = ((offset + first, data[first:last]) for first, last in pairwise(edges))
+        return [StreamPiece(start, part, telegram=part[0] in _STARTS) for start, part in pieces]
 
 
 def capture_of(name: str, data: bytes) -> Capture:

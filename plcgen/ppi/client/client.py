@@ -56,21 +56,29 @@ _MOST_PLANS = 100
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
-    """One value that was read, or why not: ``code`` is FFh and ``value`` there, or another code and no value.
-
-    ``data`` are the bytes as they came, big-endian.
-    """
+class Written:
+    """One value that was written, or why not: ``code`` is FFh, or another one."""
 
     place: Place
     code: int
-    data: bytes = b""
-    value: Value | None = None
 
     @property
     def ok(self) -> bool:
-        """Whether the item was read."""
+        """Whether the station has accepted the item."""
         return self.code == ReturnCode.OK
+
+    @property
+    def error(self) -> str:
+        """``03h access denied``; empty if all is well."""
+        return "" if self.ok else f"{self.code:02X}h {return_code(self.code).text}"
+
+
+@dataclass(frozen=True, slots=True)
+class Reading(Written):
+    """One value that was read, or why not; ``data`` are the bytes as they came, big-endian."""
+
+    data: bytes = b""
+    value: Value | None = None
 
     @property
     def name(self) -> str:
@@ -78,32 +86,9 @@ class Reading:
         return self.place.name
 
     @property
-    def error(self) -> str:
-        """``05h address out of range``; empty if all is well."""
-        return "" if self.ok else f"{self.code:02X}h {return_code(self.code).text}"
-
-    @property
     def text(self) -> str:
         """Value as people read it, or the error."""
         return self.error if self.value is None else text_of(self.value, self.place.type)
-
-
-@dataclass(frozen=True, slots=True)
-class Written:
-    """One value that was written, or why not."""
-
-    place: Place
-    code: int
-
-    @property
-    def ok(self) -> bool:
-        """Whether the item was written."""
-        return self.code == ReturnCode.OK
-
-    @property
-    def error(self) -> str:
-        """``03h access denied``; empty if all is well."""
-        return "" if self.ok else f"{self.code:02X}h {return_code(self.code).text}"
 
 
 @dataclass(frozen=True, slots=True)

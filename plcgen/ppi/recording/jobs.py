@@ -90,7 +90,10 @@ class PpiJobWatch:
         yield state, Derived(lambda: watch.state(job))
         telegram = Signal(key, "telegram", "integer", 16, path=f"{block}.statTelegram")
         yield telegram, Derived(lambda: self._telegrams.get(self._held("statTelegram"), 0))
-        yield Signal(key, "retries", "integer", 16, path=f"{block}.statRetries"), Derived(self._repeated)
+        yield (
+            Signal(key, "retries", "integer", 16, path=f"{block}.statRetries"),
+            Derived(lambda: self._held("statRetries")),
+        )
         for name in _MEMBERS:
             names = STATUS_TEXTS if name == "status" else {}
             yield signal(self._cpu, key, name, self.facts.pins[name], names=names)
@@ -106,9 +109,6 @@ class PpiJobWatch:
         if self._watch.owner == self._job.number:
             self._kept[member] = self._watch.number(member)
         return self._kept[member]
-
-    def _repeated(self) -> Value:
-        return self._held("statRetries")
 
     def after(self) -> bool:
         """Whether a repetition of the telegram began."""

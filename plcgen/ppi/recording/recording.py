@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from copy import copy
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from plcgen.ppi.recording.faults import read_faults
 from plcgen.ppi.recording.jobs import MasterWatch, PpiJobWatch
 from plcgen.ppi.sim import Bus, FaultKind, Station, Traffic
 from plcgen.ppi.sim.load import load_bus
-from plcgen.ppi.texts import decode_pieces
+from plcgen.ppi.texts import StreamPiece, decode_pieces
 from plcgen.ppi.traffic import TrafficText
 from plcgen.ppi.wire.areas import Area
 from plcgen.ppi.wire.model import FixedFrame, VariableFrame
@@ -111,15 +110,6 @@ def _content(value: PpiValue) -> bytes:
 _NUMBERS = frozenset({"BYTE", "WORD", "DWORD", "INT", "DINT", "UINT", "UDINT", "USINT", "SINT", "REAL"})
 
 
-@dataclass(frozen=True, slots=True)
-class _Piece:
-    """Bytes of the line that belong together."""
-
-    data: bytes
-    telegram: bool
-    offset: int = 0
-
-
 class RecordedMasters:
     """Masters and jobs on a CPU; every frame on their lines is a contact."""
 
@@ -176,5 +166,5 @@ class RecordedMasters:
 
 def _decoded(entry: Traffic, request: bytes = b"") -> DecodedTelegram:
     """A frame field by field; a reply with the items of its request."""
-    pieces = [_Piece(request, telegram=True)] if request else []
-    return decode_pieces([*pieces, _Piece(entry.data, telegram=entry.frame is not None)])[-1].table
+    pieces = [StreamPiece(0, request, telegram=True)] if request else []
+    return decode_pieces([*pieces, StreamPiece(0, entry.data, telegram=entry.frame is not None)])[-1].table

@@ -34,7 +34,12 @@ _FUNCTIONS = {
     Function.READ: "read", Function.WRITE: "write", Function.PI_SERVICE: "PI service (RUN)", Function.STOP: "STOP",
     Function.SETUP: "negotiation",
 }  # fmt: skip
-_KINDS = {Rosctr.JOB: "job", Rosctr.ACK: "answer without data", Rosctr.ACK_DATA: "answer", Rosctr.USERDATA: "userdata"}
+_KINDS: dict[int, str] = {
+    Rosctr.JOB: "job",
+    Rosctr.ACK: "answer without data",
+    Rosctr.ACK_DATA: "answer",
+    Rosctr.USERDATA: "userdata",
+}
 _CODES = {SizeCode.NONE: "none", SizeCode.BIT: "bit", SizeCode.WORDS: "bytes, length in bits",
           SizeCode.OCTETS: "bytes, length in bytes"}  # fmt: skip
 
@@ -63,12 +68,10 @@ def dissect(data: bytes, violations: Iterable[Violation] = (), asked: Sequence[I
     if walker.left:
         walker.add(walker.left, "undecoded bytes")
     wrong = {violation.offset for violation in violations}
-    return [_marked(entry, wrong) for entry in walker.fields]
-
-
-def _marked(entry: ByteField, wrong: set[int]) -> ByteField:
-    inside = any(entry.offset <= offset < entry.offset + entry.length for offset in wrong)
-    return replace(entry, problem=True) if inside or entry.name == "undecoded bytes" else entry
+    for number, entry in enumerate(walker.fields):
+        if entry.name == "undecoded bytes" or wrong & {*range(entry.offset, entry.offset + entry.length)}:
+            walker.fields[number] = replace(entry, problem=True)
+    return walker.fields
 
 
 def _head(walker: Walker) -> None:
@@ -102,9 +105,7 @@ def _variable(walker: Walker, asked: Sequence[Item]) -> None:
 
 def _pdu(walker: Walker, asked: Sequence[Item]) -> None:
     walker.hexadecimal(1, "protocol")
-    rosctr = walker.hexadecimal(
-        1, "ROSCTR", _KINDS.get(Rosctr(walker.peek(1)), "") if _is_rosctr(walker) else "unknown"
-    )
+    rosctr = walker.hexadecimal(1, "ROSCTR", _KINDS.get(walker.peek(1), "unknown") if walker.left else "unknown")
     walker.hexadecimal(2, "reserved")
     walker.hexadecimal(2, "reference")
     parameters = walker.decimal(2, "parameter length")
@@ -121,10 +122,6 @@ def _pdu(walker: Walker, asked: Sequence[Item]) -> None:
             _plain(walker, parameters)
         else:
             _function(walker, parameters, asked, reply=reply)
-
-
-def _is_rosctr(walker: Walker) -> bool:
-    return walker.left > 0 and walker.peek(1) in set(Rosctr)
 
 
 def _plain(walker: Walker, parameters: int) -> None:

@@ -20,7 +20,7 @@ from plcgen.ppi.wire.areas import (
     ReturnCode,
     Rosctr,
 )
-from plcgen.ppi.wire.errors import ANSWERABLE, TOLERABLE, Kind, PpiError, Violation
+from plcgen.ppi.wire.errors import Kind, PpiError, Violation
 from plcgen.ppi.wire.items import (
     ItemFindings,
     bare_item,
@@ -166,15 +166,9 @@ def _force_data(pdu: ForceRequest) -> bytes:
 # ---- Decoding -------------------------------------------------------------------------------------------------
 
 
-def decode_pdu(data: bytes, *, tolerant: bool = False, answerable: bool = False) -> Pdu:
-    """Return the PDU in ``data``; PpiError with every violation.
-
-    ``tolerant`` accepts pad variants. ``answerable`` accepts items that a station answers with a return code of their
-    own (unknown area, wrong count, ...): what a server needs.
-    """
+def decode_pdu(data: bytes) -> Pdu:
+    """Return the PDU in ``data``; PpiError with every violation."""
     pdu, found = examine_pdu(data)
-    accepted = (TOLERABLE if tolerant else frozenset()) | (ANSWERABLE if answerable else frozenset())
-    found = [violation for violation in found if violation.kind not in accepted]
     if found or pdu is None:
         raise PpiError(found)
     return pdu

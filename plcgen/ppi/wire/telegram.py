@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from plcgen.ppi.wire.errors import TOLERABLE, PpiError, Violation
+from plcgen.ppi.wire.errors import PpiError, Violation
 from plcgen.ppi.wire.fdl import encode_frame, examine_frame
 from plcgen.ppi.wire.model import FIRST, FixedFrame, Frame, Pdu, Reply, Request, VariableFrame
 from plcgen.ppi.wire.pdu import encode_pdu, examine_pdu
@@ -18,11 +18,10 @@ DATA_FUNCTION = 0x08
 
 @dataclass(frozen=True, slots=True)
 class WireTelegram:
-    """A decoded telegram: its frame, the PDU of an SD2 frame, and what the tolerant mode accepted."""
+    """A decoded telegram: its frame, and the PDU of an SD2 frame."""
 
     frame: Frame
     pdu: Pdu | None = None
-    tolerated: tuple[Violation, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,18 +43,12 @@ def examine(data: bytes) -> Examination:
     return Examination(frame, pdu, tuple(found))
 
 
-def decode_telegram(data: bytes, *, tolerant: bool = False) -> WireTelegram:
-    """Return the telegram in ``data``; PpiError with every violation of frame and PDU.
-
-    ``tolerant`` accepts what real lines produce and lists it in the result.
-    """
+def decode_telegram(data: bytes) -> WireTelegram:
+    """Return the telegram in ``data``; PpiError with every violation of frame and PDU."""
     seen = examine(data)
-    tolerable = TOLERABLE if tolerant else frozenset()
-    tolerated = tuple(violation for violation in seen.violations if violation.kind in tolerable)
-    left = [violation for violation in seen.violations if violation.kind not in tolerable]
-    if left or seen.frame is None or (isinstance(seen.frame, VariableFrame) and seen.pdu is None):
-        raise PpiError(left)
-    return WireTelegram(seen.frame, seen.pdu, tolerated)
+    if seen.violations or seen.frame is None or (isinstance(seen.frame, VariableFrame) and seen.pdu is None):
+        raise PpiError(seen.violations)
+    return WireTelegram(seen.frame, seen.pdu)
 
 
 def encode_request(pdu: Request, *, destination: int = 2, source: int = 0, function: int = FIRST) -> bytes:
