@@ -72,7 +72,6 @@ def _addresses(plan: PpiPlan, master: PlannedMaster) -> Iterator[Diagnostic]:
 
 
 def _ports(plan: PpiPlan) -> Iterator[Diagnostic]:
-    """PG242: two masters on one port."""
     first: dict[int, PlannedMaster] = {}
     key = "address" if plan.target.classic else "port"
     for master in plan.masters:

@@ -16,7 +16,7 @@ from plcgen.base.display.view import View
 from plcgen.base.telegrams.decoded import DecodedTelegram, TelegramField, telegram_text
 from plcgen.base.telegrams.decoded import telegram_data as plain_data
 from plcgen.ppi.wire.areas import ITEM_LIMIT
-from plcgen.ppi.wire.description import frame_text
+from plcgen.ppi.wire.description import FrameText
 from plcgen.ppi.wire.dissect import dissect, title
 from plcgen.ppi.wire.errors import TOLERABLE, Kind, Violation
 from plcgen.ppi.wire.model import Item, ItemWrite, Pdu, ReadReply, ReadRequest, VariableFrame, WriteReply, WriteRequest
@@ -73,7 +73,7 @@ class _Context:
     """What was asked last on each pair of stations."""
 
     def __init__(self) -> None:
-        self.frame_count = FrameCountCheck()
+        self.frame_count, self.words = FrameCountCheck(), FrameText()
         self._asked: dict[tuple[int, int], ReadRequest | WriteRequest] = {}
 
     def follow(self, seen: Examination) -> tuple[list[Violation], tuple[Item, ...]]:
@@ -114,7 +114,7 @@ def _telegram(piece: StreamPiece, context: _Context, *, tolerant: bool) -> Decod
         TelegramField(f.offset, data[f.offset : f.offset + f.length], f.name, f.value, f.note, f.problem)
         for f in dissect(data, problems, asked[:ITEM_LIMIT])
     )
-    line = frame_text(seen.frame, seen.pdu) if seen.frame is not None else title(data)
+    line = context.words.line(data, seen.frame, seen.pdu)
     return DecodedFrame(piece.offset, data, _kind(data, seen.pdu), line, fields, problems, tolerated)
 
 

@@ -239,12 +239,12 @@ def test_decode_a_capture(plcgen, tmp_path):
     result = plcgen("ppi", "decode", "--file", "capture.txt", "--short")
     assert result.code == 1
     assert result.out == (
-        "       0   0 -> 2  read VB100\n"
-        "      33 ! acknowledgement E5 (received as F9)\n"
-        "      34   0 -> 2  poll\n"
+        "       0   read request, station 0 to 2 (6C): VB100\n"
+        "      33 ! acknowledgement (received as F9)\n"
+        "      34   poll, station 0 to 2 (5C)\n"
         "      40 ! 2 bytes skipped: no frame starts here\n"
-        "      42   2 -> 0  answer 22\n"
-        "      70   0 -> 2  poll\n"
+        "      42   read reply, station 2 to 0 (08): VB100 = 22\n"
+        "      70   poll, station 0 to 2 (5C)\n"
     )
     assert "capture.txt:3:18" in result.err
     assert "capture.txt:5:1" in result.err
@@ -280,7 +280,7 @@ def test_decode_json(plcgen):
     data = json.loads(plcgen("ppi", "decode", "E5", "10", "02", "5C", "5E", "16", "--json").out)
     assert not data["ok"]
     good, bad = data["telegrams"]
-    assert (good["text"], good["problems"], bad["offset"]) == ("acknowledgement E5", [], 1)
+    assert (good["text"], good["problems"], bad["offset"]) == ("acknowledgement", [], 1)
     assert bad["problems"] == [
         {"kind": "short", "offset": 5, "message": "an SD1 frame has 6 bytes (10 DA SA FC FCS 16), not 5"}
     ]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.ppi.wire.description import frame_text
+from plcgen.ppi.wire.description import FrameText
 from plcgen.ppi.wire.dissect import dissect, title
 from plcgen.ppi.wire.errors import PpiError
 from plcgen.ppi.wire.fdl import checksum, decode_frame, encode_frame
@@ -81,8 +81,7 @@ def test_dissection_covers_every_byte_once(data):
     starts = [field.offset for field in fields] + [len(data)]
     assert all(a + field.length == b for field, (a, b) in zip(fields, pairwise(starts), strict=True))
     assert title(data)
-    if seen.frame is not None:
-        assert frame_text(seen.frame, seen.pdu)
+    assert FrameText().line(data, seen.frame, seen.pdu)
     if not seen.violations:
         assert not any(field.problem for field in fields)
     for violation in seen.violations:

@@ -217,7 +217,6 @@ class Client:
         return tuple(corrected.get(number, result) for number, result in enumerate(results))
 
     def _planned(self, key: tuple[Item, ...]) -> _Prepared:
-        """The plan of these items, from before or new."""
         found = self._prepared.get(key)
         if found is None:
             if len(self._prepared) >= _MOST_PLANS:

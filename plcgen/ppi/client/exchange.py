@@ -210,7 +210,6 @@ class Exchange:
             raise NoAnswerError(self.line.name, text, help_ if self._asked else f"{help_}; {found.help}") from problem
 
     def _one(self, pdu: bytes, reference: int) -> Pdu:
-        """Request, E5, poll, answer."""
         count = self.count
         count.exchanges += 1
         if self._now() > self._clean_until:
@@ -228,7 +227,6 @@ class Exchange:
         return reply
 
     def _send(self, pdu: bytes) -> Frame:
-        """Send the request until something comes back: E5 or already the answer."""
         settings = self.settings
         function = self._frame_count.following()
         data = sd2(bytes((settings.station, settings.own, function)) + pdu)

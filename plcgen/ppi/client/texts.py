@@ -135,7 +135,6 @@ def written_answer(line: str, entries: Sequence[tuple[Place, ItemWrite]], writte
 
 
 def _written(entries: Sequence[tuple[Place, ItemWrite]], written: Sequence[Written], view: View) -> str:
-    """One row a value with its result."""
     rows = [
         (*_planned(place, entry), "written" if result.ok else f"error {result.error}")
         for (place, entry), result in zip(entries, written, strict=True)

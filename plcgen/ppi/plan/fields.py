@@ -39,8 +39,6 @@ _PROGRAM = ArrayType(((0, 9),), BYTE)
 
 @dataclass(slots=True)
 class _Layout:
-    """Collects fields front to back over the bytes of a table."""
-
     image: bytes
     single: bool
     fields: list[PpiField] = field(default_factory=list)

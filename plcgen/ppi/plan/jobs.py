@@ -191,7 +191,6 @@ class JobPlanner:
     # --- telegrams ------------------------------------------------------------------------------------
 
     def _items(self, planned: Sequence[PlannedItem], values: Sequence[PpiValue]) -> tuple[WireItem, ...]:
-        """Items of one telegram with the values they carry."""
         found = []
         for one in planned:
             self.items += 1
@@ -239,7 +238,6 @@ class JobPlanner:
 
 
 def _frame(kind: Kind, station: int, own: int, items: tuple[WireItem, ...]) -> bytes:
-    """The whole frame with function code 6Ch and reference 0."""
     if kind == "write":
         pairs = tuple(ItemWrite(wire.item, wire.data) for wire in items)
         pdu: Pdu = WriteRequest.padded(0, pairs)

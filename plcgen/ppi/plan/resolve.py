@@ -201,7 +201,6 @@ def _symbols(key: str, name: str, station: PpiStation, loaded: LoadedSpec, repor
 
 
 def _own_symbols(symbols: Mapping[str, str], path: tuple[str, ...], loaded: LoadedSpec, report: Report) -> SymbolTable:
-    """Symbols that the spec itself defines."""
     found = []
     for name, address in symbols.items():
         span = loaded.span((*path, name))

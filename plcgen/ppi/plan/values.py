@@ -109,7 +109,6 @@ class ValueResolver:
         return None
 
     def _exists(self, item: Item, text: str, place: SpecPath) -> bool:
-        """Whether the CPU has the address."""
         area, profile = Area(item.area), self.station.profile
         size = profile.sizes.get(area, 0)
         last = item.byte + (item.count if item.by_element else item.octets) - 1

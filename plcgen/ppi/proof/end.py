@@ -190,7 +190,6 @@ def _in_turn(requests: list[bytes], planned: list[bytes], *, whole: bool) -> Non
 
 
 def _planned(requests: list[bytes], planned: list[bytes]) -> None:
-    """Every request is one of these telegrams."""
     known = {_neutral(request) for request in planned}
     for sent in requests:
         if _neutral(sent) not in known:

@@ -75,7 +75,6 @@ def _areas(jobs: list[PpiJob]) -> Iterator[Assumption]:
 
 
 def _used(jobs: Iterable[PpiJob]) -> list[Area]:
-    """Areas of all items."""
     return sorted({Area(item.item.area) for job in jobs for telegram in job.telegrams for item in telegram.items})
 
 

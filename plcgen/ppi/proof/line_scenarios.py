@@ -72,7 +72,6 @@ def line_scenarios(master: PlannedMaster, job: PpiJob, *, every: bool) -> Iterat
 
 
 def _flipped(spot: int) -> Edit:
-    """One bit of a byte of the PDU is another."""
     return lambda pdu: pdu[:spot] + bytes((pdu[spot] ^ 1,)) + pdu[spot + 1 :]
 
 
@@ -136,7 +135,6 @@ def _in_front(master: PlannedMaster) -> Iterator[PpiScenario]:
 
 
 def _broken_off(silent: tuple[int, ...], most: int) -> Iterator[PpiScenario]:
-    """Replies that end before their end byte."""
     broken = (fault("cut", "poll", None, value=20),)
     yield PpiScenario(
         name="replies that break off, forever", faults=broken, status=silent, retries=most, polls=None, follow=False
@@ -170,7 +168,6 @@ def _line_refusals(master: PlannedMaster) -> Iterator[PpiScenario]:
 
 
 def _late(master: PlannedMaster) -> Iterator[PpiScenario]:
-    """Answers behind their time."""
     # a late E5 looks like "not ready" to the poll of a repeated request: the job may fail, but says so
     ends = (DONE, WORDS["NOT_READY"], WORDS["NO_ANSWER"])
     for late in (100, 200, 400, 900):

@@ -78,7 +78,6 @@ def _failed(most: int) -> PpiScenario:
 
 
 def _settings(most: int) -> Iterator[PpiScenario]:
-    """A CM 1241 that loses or refuses its settings."""
     yield PpiScenario(
         name="the module forgets its settings", forgets=True, status=(WORDS["NO_ANSWER"],), retries=most, polls=0
     )

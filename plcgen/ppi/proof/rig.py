@@ -100,7 +100,6 @@ class EditedLine:
         return data
 
     def _hold_back(self, data: bytes, now: int) -> bytes:
-        """The first ``again`` bytes; the others come later."""
         data, rest, self.again = data[: self.again], data[self.again :], 0
         self._held = now + self.rest + len(data) * CHARACTER_MS, rest
         return data

@@ -87,7 +87,6 @@ def _wrong(data: bytes, master: PlannedMaster, telegram: PpiTelegram) -> str | N
 
 
 def _other(pdu: object, telegram: PpiTelegram) -> str | None:
-    """What the request asks for that the spec does not, or the other way round."""
     kinds = {"run": RunRequest, "stop": StopRequest, "write": WriteRequest}
     if not isinstance(pdu, kinds.get(telegram.kind, ReadRequest)):
         return f"the request is a {type(pdu).__name__}, not what a {telegram.kind} job sends"

@@ -172,7 +172,6 @@ def _round(rig: MasterRig, number: int) -> None:
 
 
 def _compare(rig: MasterRig, job: PpiJob) -> None:
-    """The control DB shows what the block shows."""
     name = rig.master.instance.name
     for value in job.outputs:
         if rig.shown(job, value) != rig.expected(job, value):
@@ -245,7 +244,6 @@ def kept(rig: MasterRig) -> None:
 
 
 def _whole(rig: MasterRig) -> int:
-    """Run the job to its end; its status."""
     rig.new_values(rig.job)
     status = _once(rig, (rig.job.timeout + DRAIN_MS) // step(rig) + 1, step(rig))
     rig.db.set(rig.pin("execute"), 0)
@@ -401,7 +399,6 @@ def full_counters(rig: MasterRig) -> None:
 
 
 def _once(rig: MasterRig, scans: int, length: int) -> int:
-    """Start the job and call the block until it ends; its status."""
     rig.db.set(rig.pin("execute"), 1)
     for _ in range(scans):
         rig.cpu.call(rig.db.block, length)

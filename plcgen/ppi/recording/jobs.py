@@ -139,7 +139,6 @@ class PpiJobWatch:
 
 
 def _constant(value: PpiValue) -> Value:
-    """What a job always writes."""
     size = value.size
     found = [
         bool(value.data[0]) if value.bit else recorded_value(unpack_value(value.data[n : n + size], value.element))

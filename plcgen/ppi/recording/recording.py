@@ -165,6 +165,5 @@ class RecordedMasters:
 
 
 def _decoded(entry: Traffic, request: bytes = b"") -> DecodedTelegram:
-    """A frame field by field; a reply with the items of its request."""
     pieces = [StreamPiece(0, request, telegram=True)] if request else []
     return decode_pieces([*pieces, StreamPiece(0, entry.data, telegram=entry.frame is not None)])[-1].table

@@ -121,7 +121,6 @@ class Bus:
         return self.stations.get(frame.destination) if isinstance(frame, FixedFrame | VariableFrame) else None
 
     def _deliver(self, station: Station, raw: bytes, frame: Frame, now: int) -> None:
-        """Let a station answer a frame, and the faults damage the answer."""
         if not self.faults:
             answer = station.receive(frame)
             if answer is not None:
@@ -169,7 +168,6 @@ class Bus:
         return Interference(refuse, items)
 
     def _strike(self, kind: FaultKind, station: Station, frame: Frame) -> Fault | None:
-        """Fault of a kind that strikes a frame."""
         return next(iter(self._struck({kind}, station, frame, None)), None)
 
     def _struck(

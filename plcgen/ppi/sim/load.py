@@ -117,7 +117,6 @@ def _type(text: str) -> str:
 
 
 def _item(memory: StationMemory, text: str, *, at_key: bool) -> Item:
-    """Item of an address that this CPU has."""
     try:
         item = parse_item(text)
         code = memory.check(item)
@@ -131,7 +130,6 @@ def _item(memory: StationMemory, text: str, *, at_key: bool) -> Item:
 
 
 def _check_value(memory: StationMemory, name: str, address: str, value: Any) -> None:
-    """Check an address and the value that it gets."""
     item = _item(memory, address, at_key=True)
     try:
         encode_value(item, value)
@@ -223,7 +221,6 @@ def _memory(info: ValidationInfo) -> StationMemory:
 
 
 def _name_stations(faults: tuple[FaultKeys, ...], known: Iterable[int]) -> tuple[FaultKeys, ...]:
-    """Check that faults name stations of the file."""
     problems, known = Problems(), list(known)
     for index, fault in enumerate(faults):
         if fault.station is not None and fault.station not in known:

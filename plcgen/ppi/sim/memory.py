@@ -76,7 +76,6 @@ class StationMemory:
         return self._check(item)
 
     def _check(self, item: Item) -> ReturnCode:
-        """First reason to refuse an item; FFh if there is none."""
         area = item.area
         if area not in self._bytes or (area == Area.V and item.db != Area.V.db):
             return ReturnCode.NOT_AVAILABLE
@@ -115,7 +114,6 @@ class StationMemory:
         return self._bytes[Area(item.area)], item.byte if item.size == TransportSize.BIT else self._start(item)
 
     def _start(self, item: Item) -> int:
-        """Where an item lies in the bytes of its area."""
         return item.address * _width(Area(item.area)) if item.by_element else item.address >> 3
 
     def _restore_forced(self) -> None:
@@ -129,7 +127,6 @@ def _width(area: Area) -> int:
 
 
 def _suits(item: Item) -> bool:
-    """Whether an area knows a transport size."""
     if item.area in ELEMENT_SIZES:
         return True
     if item.size not in OCTETS or item.size in _ELEMENT_CODES:

@@ -106,7 +106,6 @@ def _leave(line: TcpLine, branches: dict[TcpLine, Bus], tell: Callable[[str], No
 
 
 def _attend(bus: Bus, line: Line, clock: Stopwatch, *, readable: bool) -> None:
-    """Move what is there from the line to the bus and back."""
     if readable:
         data = line.read(timeout=0)
         if data:

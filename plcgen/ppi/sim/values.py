@@ -78,7 +78,6 @@ def _element(size: int, value: Any) -> bytes:
 
 
 def _counted(size: TransportSize, value: Any) -> bytes:
-    """Status and current value of a timer or counter."""
     bits = _ELEMENT_BITS[size]
     on = False
     if isinstance(value, Mapping):

@@ -35,7 +35,6 @@ def contribution(plan: PpiPlan) -> Contribution:
 
 
 def _guide(plan: PpiPlan) -> tuple[list[GuidePart], list[GuidePart]]:
-    """Modules and their settings, numbers of the buffers, what is written."""
     speeds = sorted({master.baud for master in plan.masters})
     view = {
         "masters": [
@@ -70,7 +69,6 @@ def written_value(plan: PpiPlan, value: PpiValue) -> str:
 
 
 def _manifest(plan: PpiPlan) -> dict[str, Any]:
-    """Masters with the telegrams of their tables."""
     masters = [
         {
             "master": master.key,

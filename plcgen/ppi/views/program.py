@@ -103,14 +103,12 @@ def _value(plan: PpiPlan, job: PpiJob, value: PpiValue) -> CallerValue:
 
 
 def _interface(plan: PpiPlan, job: PpiJob, value: PpiValue) -> MemberRow:
-    """Declaration of a value at the block and in the control DB."""
     v5 = plan.target.v5
     start = initializer(value.type, value.data, v5=v5) if job.kind == "write" and any(value.data) else ""
     return plain(plan, value.member, declared_type(value.type, tia=not v5), value_comment(plan, value), start=start)
 
 
 def _frames(plan: PpiPlan) -> list[MemberRow]:
-    """Members of the buffer DB of a CP 341."""
     t = type_words(tia=not plan.target.v5)
     kind = f"{t['ARRAY']}[0..{{}}] {t['OF']} {t['BYTE']}"
     return [
@@ -120,7 +118,6 @@ def _frames(plan: PpiPlan) -> list[MemberRow]:
 
 
 def _title(plan: PpiPlan, master: PlannedMaster) -> str:
-    """One-line title of a master."""
     names = shortlist([station.key for station in master.stations], 4)
     return clean_title(comment_text(master.comment, plan.languages, plan.target, f"PPI master of {names}"))
 
@@ -133,8 +130,6 @@ def job_title(plan: PpiPlan, job: PpiJob) -> str:
 
 
 class _Views:
-    """Views of one master."""
-
     def __init__(self, plan: PpiPlan, master: PlannedMaster) -> None:
         self.plan, self.master = plan, master
         self.where = plan.target

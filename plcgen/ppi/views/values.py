@@ -151,7 +151,6 @@ def _scalar_bytes(plan: PpiPlan, source: str, target: str, offset: int | str, va
 
 
 def _array_bytes(plan: PpiPlan, stat: str, target: str, placed: Placed) -> dict[str, Any]:
-    """A loop over the elements of an array that lie in this item."""
     value = placed.value
     first = placed.start // value.size
     base = placed.offset - placed.start

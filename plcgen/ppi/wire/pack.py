@@ -196,7 +196,6 @@ def _unlike(items: Sequence[Item], reply: ReadReply) -> list[str]:
 
 
 def _placed(value: bytes, item: Item, part: PackedPart, data: bytes) -> bytes:
-    """Return the value of an asked item with one more part of it in place."""
     chunk = data[part.at : part.at + part.length]
     if part.bit is not None:
         return bytes((chunk[0] >> part.bit & 1,))

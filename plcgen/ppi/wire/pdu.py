@@ -101,7 +101,6 @@ def encode_pdu(pdu: Pdu) -> bytes:
 
 
 def _parts(pdu: Pdu) -> tuple[int, bytes, bytes, bytes]:
-    """ROSCTR, error bytes, parameters and data of a PDU."""
     if isinstance(pdu, ReadRequest):
         return Rosctr.JOB, b"", _item_parameter(Function.READ, pdu.items), b""
     if isinstance(pdu, WriteRequest):
@@ -254,7 +253,6 @@ def _job(findings: ItemFindings, data: bytes, start: int) -> Pdu | None:
 
 
 def _check_count(findings: ItemFindings, count: int, place: int) -> None:
-    """Of the items of a request or an answer."""
     if count == 0:
         findings.add(Kind.ITEM_COUNT, place, "the number of items is 0")
     if count > ITEM_LIMIT:

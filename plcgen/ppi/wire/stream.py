@@ -114,7 +114,6 @@ class Splitter:
         return found
 
     def _flush(self, found: list[Chunk], end: int) -> None:
-        """Report the garbage that ends at ``end``."""
         if self._garbage:
             found.append(Chunk(end - len(self._garbage), bytes(self._garbage), frame=False))
             self._garbage.clear()
@@ -158,7 +157,6 @@ class Splitter:
         return size, sum(pending[first : at + size - 2]) & 0xFF == pending[at + size - 2]
 
     def _plausible(self, at: int) -> bool:
-        """Whether there are such stations and such a function code."""
         first = at + (4 if self._pending[at] == SD2 else 1)
         destination, source, function = self._pending[first : first + 3]
         return destination <= BROADCAST and source < BROADCAST and function < 0x80

@@ -29,7 +29,6 @@ def stated_checks(plan: PpiPlan, program: Program) -> Iterator[Check]:
 
 
 def _problem(plan: PpiPlan, program: Program, master: PlannedMaster) -> Diagnostic | None:
-    """The first contradiction."""
     place = plan.loaded.key_span(master.path)
     try:
         port = ports_of(plan.loaded)

@@ -109,7 +109,6 @@ class StatedBed:
         return {job.path: field for field, (_, job) in zip(fields, wanted, strict=True)}
 
     def _signals(self, job: PpiStatement) -> list[str]:
-        """Signals that are members of the control DB."""
         return [signal for signal in SIGNALS if signal not in job.flags]
 
     def _members(self, job: PpiStatement, own: Field | None) -> JobMembers:

@@ -51,7 +51,6 @@ def _calls(bed: StatedBed, octets: int) -> int:
 
 
 def _longest(bed: StatedBed) -> int:
-    """Bytes of the longest reply of any job."""
     for job in bed.jobs:
         bed.power_up()
         bed.run(job)

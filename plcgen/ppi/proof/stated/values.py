@@ -165,7 +165,6 @@ class _Conduct:
             raise bed.wrong(job.path, f'"{CONTROL}"', f"changes of {job.key} only", "another job has changed")
 
     def _others(self, job: PpiStatement) -> bytes:
-        """What the control DB holds of other jobs."""
         first, end = self.bed.members[job.key].span
         try:
             data = bytes(self.bed.cpu.db(CONTROL))
@@ -301,7 +300,6 @@ def _constants(value: StatedAddress) -> list[Number]:
 
 
 def _octets(extent: Extent) -> int:
-    """Bytes that a value takes in a telegram, at most."""
     return 5 * extent.length if extent.counted else max(1, extent.length // 8)
 
 
