@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import ast
+import re
+import sys
+from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
 import jsonschema
@@ -9,8 +14,14 @@ import pytest
 
 from plcgen import api
 from plcgen.base.diagnostics import PluginError, Severity
+from plcgen.ds47 import registry
 from plcgen.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.proof.scenarios import fault_matrix
 from plcgen.ds47.registry import kinds, shipped
+from plcgen.ds47.schema import drive_sections
+from plcgen.oracles.spec.ds47.state import shipped_statements
+from plcgen.project.shape import spec_model
+from tests.projects import ROOT
 
 TOY = """
 from typing import Literal
@@ -196,3 +207,123 @@ def test_without_others_there_are_the_shipped_kinds() -> None:
     keys = ["read", "write", "compare", "save", "faults", "alarms", "acknowledge", "sequence", "activate", "clock"]
     keys += ["write_recipe", "read_recipe", "compare_recipe"]
     assert [kind.key for kind in kinds()] == [kind.key for kind in shipped()] == keys
+
+
+FOLDER = {
+    "__init__.py": TOY.replace("KIND = JobKind(", "KIND = JobKind(\n    place=500,").rstrip() + "\n\nKINDS = (KIND,)\n",
+    "block.py": """
+from plcgen.ds47.views.parts import BlockParts
+
+PARTS = (
+    BlockParts(
+        name="identify",
+        precedence=100,
+        has=lambda job: job.kind == "identify",
+        template="plcgen.ds47.kinds.identify:parts.scl.j2",
+        view=lambda plan, job: {"start": 3},
+        reserved=frozenset({"visits"}),
+    ),
+)
+""",
+    "parts.scl.j2": """{% if part == "outputs" %}
+  visits : Int := {{ job.identify.start }};  // how often it was started
+{% elif part == "begin" %}
+    #visits := #visits + 1;
+{% endif %}
+""",
+    "scenarios.py": """
+from plcgen.ds47.proof.scenario import DriveScenario, KindScenarios
+
+
+def identifying(job, scans):
+    yield DriveScenario(name="asked who it is", values="low")
+
+
+SCENARIOS = (KindScenarios(100, lambda job: job.kind == "identify", identifying),)
+""",
+}
+"""A kind as a folder of its own: schema, what its block has besides, and a scenario."""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A spec with a job of a kind whose folder and oracle file lie beside the shipped ones; nothing else is told."""
+    caches = (registry.shipped, registry.kinds, registry.brought, registry._packages, drive_sections, spec_model)
+    package, oracle = tmp_path / "kinds" / "identify", tmp_path / "oracles" / "identify.py"
+    for path, text in {**{package / name: text for name, text in FOLDER.items()}, oracle: STATES}.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, "utf-8")
+    for name, place in ((registry.FOLDER, package.parent), ("plcgen.oracles.spec.ds47.kinds", oracle.parent)):
+        module = import_module(name)
+        monkeypatch.setattr(module, "__path__", [*module.__path__, str(place)])
+    for cached in (*caches, shipped_statements):
+        cached.cache_clear()
+    spec = tmp_path / "toy.yaml"
+    spec.write_text(SPEC, "utf-8")
+    yield spec
+    monkeypatch.undo()
+    for cached in (*caches, shipped_statements):
+        cached.cache_clear()
+    for module in [name for name in sys.modules if ".kinds.identify" in name]:
+        del sys.modules[module]
+
+
+STATES = STATEMENT.rstrip() + "\n\n\nSTATEMENTS = {'identify': steps}\n"
+
+
+def test_a_kind_is_one_folder_and_one_oracle_file(folder: Path, tmp_path: Path) -> None:
+    """Nothing else names it: schema, block with its own lines, statement, scenario and reserved name are found."""
+    assert api.generate(folder, tmp_path / "out").ok
+    source = "".join(path.read_text("utf-8-sig") for path in (tmp_path / "out").rglob("*.scl"))
+    assert "  visits : Int := 3;  // how often it was started\n" in source
+    assert "    #visits := #visits + 1;\n" in source
+    plan = api.check(folder).project.plan(DrivePlan)
+    assert "asked who it is" in [one.name for one in fault_matrix(plan.jobs[0], 60, 240)]
+    told = {check.id: check.verdict for check in api.verify(folder, tmp_path / "out", faults="none").checks()}
+    assert told["spec"] == "1 of 1 jobs stated and kept"
+    folder.write_text(SPEC.replace("identify: true", "read: [{parameter: P1120, as: visits}]"), "utf-8")
+    assert [d.code for d in api.check(folder).diagnostics if d.severity is Severity.ERROR] == ["PG406"]
+
+
+KINDS = ROOT / "plcgen" / "ds47" / "kinds"
+WORDS = {path.name for path in KINDS.iterdir() if (path / "__init__.py").is_file()} - {"read", "write"}
+"""Folders of kinds, by which a frame may not call anything; reading and writing is what every telegram does."""
+NAMED = {
+    "plcgen/ds47/plan": {"messages", "recipe"},
+    "plcgen/ds47/proof": {"messages", "recipe", "clock"},
+    "plcgen/ds47/views": {"recipe"},
+    "plcgen/ds47/rules": {"clock"},
+}
+"""What of a job a room still calls by the name of a kind (docs/adr/0013): the list may only get shorter."""
+
+
+def named(room: Path) -> set[str]:
+    """Kinds that the Python of a room names: as an attribute of a job, in an import, as a text of its own."""
+    found: set[str] = set()
+    for path in room.rglob("*.py"):
+        if "stated" in path.parts or "wording" in path.parts:
+            continue  # second statements of what a block does and says, made from the spec by hand
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("plcgen.ds47.kinds."):
+                found.add((node.module or "").split(".")[3])
+            if isinstance(node, ast.Attribute) and ast.unparse(node.value).endswith(("job", "kind")):
+                found.add(node.attr)
+            if isinstance(node, ast.Compare):
+                found |= {one.value for one in ast.walk(node) if isinstance(one, ast.Constant)}
+    return found & WORDS
+
+
+def test_the_frame_names_no_kind() -> None:
+    """No part of job.scl.j2 or telegrams.scl.j2, no room of plan, proof, views, rules, build but what is listed."""
+    for name in ("job", "telegrams", "take", "build", "inputs", "constants"):
+        marks = re.findall(r"\{[{%].*?[}%]\}", (ROOT / "templates" / "ds47" / f"{name}.scl.j2").read_text("utf-8"))
+        assert not {word for mark in marks for word in re.findall(r"(?:job|telegram)\.(\w+)", mark)} & WORDS
+    rooms = (*NAMED, "plcgen/ds47/sim", "plcgen/build")
+    assert {room: named(ROOT / room) for room in rooms} == {room: NAMED.get(room, set()) for room in rooms}
+
+
+def test_job_scl_is_short() -> None:
+    """A page that can be read from top to bottom: at most 150 lines with 30 marks."""
+    text = (ROOT / "templates" / "ds47" / "job.scl.j2").read_text("utf-8")
+    assert len(text.splitlines()) <= 150
+    assert len(re.findall(r"\{[{%#]", text)) <= 30

@@ -18,7 +18,7 @@ from plcgen.ds47.proof.wording.naming import line
 from plcgen.oracles.spec.ds47.course import value_bytes
 from plcgen.oracles.spec.ds47.drives import KnownDrive, known_drives
 from plcgen.oracles.spec.ds47.signing import sign_off, values_written
-from plcgen.oracles.spec.ds47.state import SHIPPED, state_jobs
+from plcgen.oracles.spec.ds47.state import shipped_statements, state_jobs
 from plcgen.oracles.spec.ds47.statement import FromInput, Number, Source, StatedAccess, StatedDrive, StatedJob
 from plcgen.oracles.spec.place import NotStatedError, SpecPlace
 from plcgen.project.spec import LoadedSpec
@@ -52,7 +52,7 @@ class Stated:
         values = frozenset().union(*(one for one in known if one is not None)) if whole else None
         if why := effects().danger(drive, number, values):
             signed = sign_off(plan.loaded.root.data()["jobs"][job.shape], drive, number)
-            if not signed and (stated is None or stated.kind not in SHIPPED):
+            if not signed and (stated is None or stated.kind not in shipped_statements()):
                 signed = plan.sign_off(job, number) or ""
             yield f"{why}; signed off: {signed or 'no'}"
 

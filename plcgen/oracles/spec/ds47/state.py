@@ -4,23 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from pkgutil import iter_modules
 from types import MappingProxyType
 from typing import Any
 
 from plcgen.oracles.spec.ds47.accesses import JobReader, camel
 from plcgen.oracles.spec.ds47.drives import KnownDrive, known_drives
-from plcgen.oracles.spec.ds47.kinds import (
-    acknowledge,
-    activate,
-    clock,
-    compare,
-    messages,
-    read,
-    recipe,
-    save,
-    sequence,
-    write,
-)
+from plcgen.oracles.spec.ds47.kinds import messages, recipe, save
 from plcgen.oracles.spec.ds47.settings import outside_signals, restores, times
 from plcgen.oracles.spec.ds47.statement import StatedJob, StatedStep, Statement, Unstated
 from plcgen.oracles.spec.place import NotStatedError, SpecSource, texts
@@ -28,24 +20,15 @@ from plcgen.oracles.spec.place import NotStatedError, SpecSource, texts
 StatesKind = Callable[[JobReader], Iterator[StatedStep]]
 """What a kind of job demands, step by step."""
 
-SHIPPED: Mapping[str, StatesKind] = MappingProxyType(
-    {
-        "read": read.read_steps,
-        "write": write.write_steps,
-        "compare": compare.compare_steps,
-        "save": save.save_steps,
-        "faults": messages.fault_steps,
-        "alarms": messages.alarm_steps,
-        "acknowledge": acknowledge.acknowledge_steps,
-        "sequence": sequence.sequence_steps,
-        "activate": activate.activate_steps,
-        "clock": clock.clock_steps,
-        "write_recipe": recipe.write_record_steps,
-        "read_recipe": recipe.read_record_steps,
-        "compare_recipe": recipe.compare_record_steps,
-    }
-)
-"""Statements by the key that names the kind."""
+
+@cache
+def shipped_statements() -> Mapping[str, StatesKind]:
+    """Statements by the key that names the kind: the ``STATEMENTS`` of every module of ``kinds``, which are found."""
+    folder = import_module("plcgen.oracles.spec.ds47.kinds")
+    modules = [import_module(f"{folder.__name__}.{one.name}") for one in iter_modules(folder.__path__)]
+    return MappingProxyType({key: steps for one in modules for key, steps in one.STATEMENTS.items()})
+
+
 WRITERS = frozenset({"write", "write_recipe"})
 """``save`` beside one of them belongs to it."""
 
@@ -65,7 +48,7 @@ def state_jobs(
     known: Mapping[str, KnownDrive] | None = None,
 ) -> Statement:
     """State every job; ``more`` are kinds of others by their keys, ``known`` the drives if they were read before."""
-    kinds = {**more, **SHIPPED}
+    kinds = {**more, **shipped_statements()}
     drives = known_drives(source) if known is None else known
     jobs: list[StatedJob] = []
     unstated: list[Unstated] = []

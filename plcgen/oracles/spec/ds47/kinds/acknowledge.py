@@ -35,3 +35,6 @@ def acknowledge_steps(job: JobReader) -> Iterator[StatedStep]:
         pause_first=True,
         late=NOT_ACKNOWLEDGED,
     )
+
+
+STATEMENTS = {"acknowledge": acknowledge_steps}

@@ -36,3 +36,6 @@ def activate_steps(job: JobReader) -> Iterator[StatedStep]:
         late=NOT_REACHED,
         number=2,
     )
+
+
+STATEMENTS = {"activate": activate_steps}

@@ -26,3 +26,6 @@ def clock_steps(job: JobReader) -> Iterator[StatedStep]:
         access = job.writes(replace(job.fixed(text), value=0))
         written.append(replace(access, values=(source,)))
     yield StatedStep("writes", tuple(written), together=True)
+
+
+STATEMENTS = {"clock": clock_steps}

@@ -20,3 +20,6 @@ def compare_steps(job: JobReader) -> Iterator[StatedStep]:
         access = job.access(item, parameter, write=False, output="")
         found.append(replace(access, values=job.wanted(item, parameter)))
     yield StatedStep("compares", tuple(found))
+
+
+STATEMENTS = {"compare": compare_steps}

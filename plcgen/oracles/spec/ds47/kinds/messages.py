@@ -76,3 +76,6 @@ def _steps(job: JobReader, kind: str) -> Iterator[StatedStep]:
     yield StatedStep("reads the counter of changes", (counter,))
     yield StatedStep("reads the columns", tuple(job.reads(item, output="") for item in columns), ordered=False)
     yield StatedStep("reads the counter again", (counter,))
+
+
+STATEMENTS = {"faults": fault_steps, "alarms": alarm_steps}

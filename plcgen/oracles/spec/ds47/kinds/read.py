@@ -11,3 +11,6 @@ from plcgen.oracles.spec.ds47.statement import StatedStep
 def read_steps(job: JobReader) -> Iterator[StatedStep]:
     """One step."""
     yield StatedStep("reads", tuple(job.reads(item) for item in job.items("read")))
+
+
+STATEMENTS = {"read": read_steps}

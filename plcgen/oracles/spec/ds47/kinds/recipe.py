@@ -95,3 +95,10 @@ def _same(job: JobReader, key: str, parameter: WrittenParameter) -> bool:
     except NotStatedError:
         return False
     return (other.number, other.first, other.count) == (parameter.number, parameter.first, parameter.count)
+
+
+STATEMENTS = {
+    "write_recipe": write_record_steps,
+    "read_recipe": read_record_steps,
+    "compare_recipe": compare_record_steps,
+}

@@ -64,3 +64,6 @@ def save_steps_of(job: JobReader, given: Any) -> Iterator[StatedStep]:
         pause_first=True,
         late=NOT_SAVED,
     )
+
+
+STATEMENTS = {"save": save_steps}

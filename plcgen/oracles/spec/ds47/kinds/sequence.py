@@ -106,3 +106,6 @@ def _relation(given: Any) -> tuple[str, Any]:
         return match[1], float(text)
     except ValueError:
         return match[1], text
+
+
+STATEMENTS = {"sequence": sequence_steps}

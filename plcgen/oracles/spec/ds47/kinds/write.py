@@ -79,3 +79,6 @@ def wanted_back(job: JobReader, access: StatedAccess, output: str) -> StatedAcce
 
 def _named(state: tuple[StatedAccess, ...], output: str) -> tuple[StatedAccess, ...]:
     return tuple(replace(access, output=output) for access in state)
+
+
+STATEMENTS = {"write": write_steps}
