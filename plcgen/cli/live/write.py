@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from plcgen.cli.arguments import Argument, arguments
+from plcgen.cli.arguments import ARGUMENTS, Argument, arguments
 from plcgen.cli.live.places import object_number, object_options, open_channel, read_station, timeout_option
 from plcgen.cli.options import console, device_option, format_option, verb
 from plcgen.cli.ppi.connection import ask
@@ -73,14 +73,18 @@ def command(
 def _changes(
     words: Sequence[Argument], device: Device, object_: int, allow: Sequence[str], safety: Sequence[str]
 ) -> Sequence[Change]:
-    """What is to be written, if all of it may be. Raises DiagnosticError: PG218, PG219."""
-    from plcgen.base.diagnostics import DiagnosticError
+    """What is to be written, if all of it may be; of what nobody has classified it warns.
+
+    Raises DiagnosticError: PG207, PG219.
+    """
+    from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity
     from plcgen.cli.adhoc import change
     from plcgen.ds47 import guards
     from plcgen.ds47.device import Parameter
 
     found: list[Change] = []
     problems: list[Diagnostic] = []
+    doubts: list[Diagnostic] = []
     signed = {False: _signed(allow, "--allow"), True: _signed(safety, "--allow-safety")}
     object_type = device.object_type(object_)
     for word in words:
@@ -96,7 +100,12 @@ def _changes(
             help_ = f'if this is intended, add {option} "P{address.pnu}=why"'
             message = f"writing {_called(known, address)} needs a sign-off: {danger}"
             problems += word.problem("PG219", message, help_).diagnostics
+        elif not device.classified(address.pnu) and address.pnu not in signed[is_safety]:
+            message = f"nobody has classified what writing {_called(known, address)} does"
+            help_ = f'look it up in the list manual; --allow "P{address.pnu}=why" says that you have'
+            doubts.append(Diagnostic("PG261", message, word.span, Severity.WARNING, help=help_))
         found.append((known, address, block))
+    console().complain(doubts, {ARGUMENTS: " ".join(word.text for word in words)})
     written = {address.pnu for _, address, _ in found}
     strange = sorted({*signed[False], *signed[True]} - written)
     if strange:

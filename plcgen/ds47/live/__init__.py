@@ -1,1 +1,1 @@
-"""Reading from real drives and CPUs over the S7 protocol, and comparing: nothing here can write."""
+"""Real drives and CPUs: over the S7 protocol, where nothing here can write, and drives over PROFINET's records."""

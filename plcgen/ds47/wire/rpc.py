@@ -25,9 +25,9 @@ VERSIONS = {IO_DEVICE: 1, ENDPOINT_MAPPER: 3}
 """Major versions of the interfaces."""
 HEADER = 80
 LONGEST = 1464
-"""Octets of a packet, header and body, as a SIMATIC acknowledges them."""
+"""Octets of a packet, header and body, as the device of a capture acknowledges them (tests/vectors/pnio.toml)."""
 BODY = 1384
-"""Octets of a fragment but for the last one: a multiple of 8 that fits; a SIMATIC sends as many (Wireshark sample)."""
+"""Octets of a fragment but for the last one: a multiple of 8; the controller of that capture sends as many."""
 MAX_BODY = 64 * 1024
 """No operation of a record needs more: what promises more is no answer."""
 
@@ -183,7 +183,7 @@ class Assembly:
 def acknowledgement(packet: Packet) -> Packet | None:
     """What the sender of a fragment waits for: a FACK, with a window of one packet; None if it does not.
 
-    Version 1 is what a SIMATIC sends; C706 has 0.
+    Version 1 is what that device sends; C706 has 0.
     """
     if not packet.fragmented or packet.flags & NO_FACK or packet.kind not in {PacketType.REQUEST, PacketType.RESPONSE}:
         return None

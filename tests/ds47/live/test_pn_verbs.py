@@ -336,6 +336,17 @@ def test_a_dangerous_parameter_with_a_reason():
     assert one.objects[2].parameters[971].values == [1]
 
 
+def test_a_number_that_nobody_has_classified():
+    """In no list: a warning, as in a spec, which a reason takes away; it is written all the same."""
+    one = drive()
+    with served(one) as where:
+        words = ("live", "write", "P59900[0]=5:Unsigned16", "--port", where, *S120_2, "--yes-write")
+        code, _, err = plcgen(*words)
+        assert (code, "warning[PG261]" in err) == (0, True), err
+        assert "PG261" not in plcgen(*words, "--allow", "P59900=looked up")[2]
+    assert one.objects[2].parameters[59900].values[0] == 5
+
+
 def test_a_write_that_is_refused():
     """1000 is beyond the limit: the message, and the value that is there now; the other one was written."""
     one = drive()
