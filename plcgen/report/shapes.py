@@ -249,7 +249,7 @@ def _live() -> dict[str, Shape]:
         "live compare": _headed("live compare", FOUND, compared),
         "live db": _headed("live db", FOUND, compared),
         "live read": _headed("live read", FOUND, {**at, "parameters": many(read)}),
-        "live faults": _headed("live faults", FOUND, {**at, "messages": many(message)}),
+        "live faults": _headed("live faults", FOUND, {**at, "messages": many(message), "skipped": many(TEXT)}),
         "live backup": _headed("live backup", FOUND, saved),
         "live write": _headed("live write", FOUND, {**at, "parameters": many(written)}),
     }

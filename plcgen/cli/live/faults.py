@@ -52,15 +52,18 @@ def command(
         known = find_device(device) if device else None
         object_ = object_number(number, known)
         with open_drive(where, timeout, known) as reader:
-            found, missing = read_messages(reader, known, object_, history + 1)
+            found = read_messages(reader, known, object_, history + 1)
         problems = [
-            Diagnostic("PG706", one.doubt, Span(f"{where} r{one.parameter.pnu}[{one.index}]")) for one in missing
+            Diagnostic("PG706", one.doubt, Span(f"{where} r{one.parameter.pnu}[{one.index}]")) for one in found.missing
         ]
-        rows = [(one.code, one.title or "(no title known)", one.value, str(one.case)) for one in found]
-        lines = text_table(("message", "title", "value", "case"), rows, indent=0) if rows else ["no faults, no alarms"]
-        text = f"{where}, drive object {object_}\n" + "\n".join(lines) + "\n"
-        data = [{"code": one.code, "title": one.title, "value": one.value, "case": one.case} for one in found]
+        rows = [(one.code, one.title or "(no title known)", one.value, str(one.case)) for one in found.entries]
+        lines = [f"{where}, drive object {object_}"]
+        lines += text_table(("message", "title", "value", "case"), rows, indent=0) if rows else []
+        lines += ["no messages" + " in what could be read" * bool(problems)] if not rows else []
+        lines += [f"not asked: {one}, no parameter of {device} is known to have them" for one in found.unknown]
+        data = [{"code": one.code, "title": one.title, "value": one.value, "case": one.case} for one in found.entries]
         shown = {**diagnostics_data("live faults", problems), "address": str(where), "drive_object": object_}
-        return Answer({**shown, "messages": data}, lambda _view: text, problems)
+        shown |= {"messages": data, "skipped": found.unknown}
+        return Answer(shown, lambda _view: "\n".join(lines) + "\n", problems)
 
     return ask(format_, "live faults", (host,), question)

@@ -18,7 +18,7 @@ from plcgen.ds47 import guards
 from plcgen.ds47.catalogue.lists import ListedParameter
 from plcgen.ds47.catalogue.own_list import LISTS
 from plcgen.ds47.device import Device, Parameter
-from plcgen.ds47.live.channel import PnParameters, read_block
+from plcgen.ds47.live.channel import GENERIC, PnParameters, read_block
 from plcgen.ds47.live.comparison import DEVIATES, EQUAL, UNREAD, LiveRow
 from plcgen.ds47.live.parameters import ElementReading
 from plcgen.ds47.types import read_type
@@ -33,7 +33,8 @@ _ROUNDED = 1e-6
 """Share of a value that the list of an engineering tool may have rounded away."""
 _MOST = 1024
 """Elements that are read of one parameter."""
-_NO_INDEX, _NO_ARRAY, _TOO_LONG = 0x03, 0x04, 0x15
+_FEWER = {0x03, 0x04, 0x15, 0x16}
+"""Errors of an index that is not there, of what is no array, of too long an answer, of too many elements."""
 
 
 @dataclass(slots=True)
@@ -58,7 +59,7 @@ class _Gathering:
             self.count += self.next
             more = _MOST - self.count if self.exact is None else self.exact - self.count
             self.next = min(max(self.count, 1), more, most)
-        elif isinstance(block, ErrorBlock) and block.number in {_NO_INDEX, _NO_ARRAY, _TOO_LONG}:
+        elif isinstance(block, ErrorBlock) and block.number in _FEWER:
             there = (block.info or 0) - self.count
             self.next = there if 0 < there < self.next else self.next // 2
             if not self.next and not self.count:
@@ -134,8 +135,9 @@ def _is_string(one: _Gathering) -> bool:
 
 
 def _saved(one: _Gathering) -> SavedParameter:
-    """The elements out of all answers, with the type that the drive says."""
-    untyped = replace(one.parameter, type="", minimum=None, maximum=None)
+    """The elements out of all answers, with the type that the drive says; the catalogue's if it says a size alone."""
+    generic = bool(one.blocks) and one.blocks[0].format in GENERIC
+    untyped = replace(one.parameter, type=one.parameter.type if generic else "")
     if one.refused is not None:
         return SavedParameter(untyped, (), f"error {error_text(one.refused.number).explain(one.refused.info)}")
     if not one.blocks:

@@ -48,7 +48,8 @@ _AGAIN = 3
 """So often a request to read begins again."""
 _ERROR = 6
 """Octets of an error in an answer, with two words."""
-_NO_OBJECT = 0x19
+_NO_OBJECT, _LENGTH = 0x19, 0xB1
+"""Error of a request for a drive object that is not there; ErrorCode1 of a record that is too long for the drive."""
 _UNKNOWN = 4
 """Octets that a value of unknown type is expected to have."""
 _READ = 0xDE
@@ -139,10 +140,15 @@ class PnParameters:
 
     def _ask(self, addresses: Sequence[ParameterAddress], drive_object: int) -> list[Block]:
         """One request; one that fails as a whole is asked in halves, unless there is no such drive object."""
-        blocks = self.exchange(read_request(self._next(), drive_object, addresses))
+        try:
+            blocks = self._exchange(read_request(self._next(), drive_object, addresses))
+        except RecordRefusedError as refused:
+            if refused.status >> 8 & 0xFF != _LENGTH or len(addresses) < 2:
+                raise self._refused(refused) from refused
+            blocks = ()
         if len(blocks) == len(addresses):
             return list(blocks)
-        first = blocks[0]
+        first = blocks[0] if blocks else None
         if isinstance(first, ErrorBlock) and first.number == _NO_OBJECT:
             return [first] * len(addresses)
         half = len(addresses) // 2
@@ -159,34 +165,35 @@ class PnParameters:
                 f"{len(changes)} values make a request of {size} bytes; at most {self.most} in {self.limit} bytes go"
             )
             raise self._problem("PG709", message, "write them in two calls: nothing was written")
-        return list(self.exchange(request))
+        try:
+            return list(self._exchange(request))
+        except RecordRefusedError as refused:
+            raise self._refused(refused, _UNSURE if refused.status >> 24 == _READ else "") from refused
+        except DiagnosticError as problem:
+            found = problem.diagnostics
+            lost = [replace(one, help=f"{_UNSURE}; {one.help}" if one.help else _UNSURE) for one in found]
+            raise DiagnosticError(lost) from problem
 
     def _next(self) -> int:
         self._reference = self._reference % 255 + 1
         return self._reference
 
-    def exchange(self, request: Request) -> tuple[Block, ...]:
-        """Write a request and read its answer. Raises DiagnosticError: PG708 if it is none, or refused for good."""
+    def _exchange(self, request: Request) -> tuple[Block, ...]:
+        """Write a request and read its answer. Raises RecordRefusedError; DiagnosticError, PG708, if it is none."""
         data = encode_request(request)
-        changes = request.request_id == RequestId.CHANGE
-        for left in reversed(range(1 if changes else _AGAIN)):
+        rounds = 1 if request.request_id == RequestId.CHANGE else _AGAIN
+        for left in reversed(range(rounds)):
             try:
                 self._retried(lambda: self._connection.write(data))
-                answer = self._retried(lambda: self._connection.read(self.limit))
+                return self._decoded(self._retried(lambda: self._connection.read(self.limit)), request)
             except RecordRefusedError as refused:
-                if left and explain_status(refused.status).retry is Retry.RESTART:
-                    continue
-                told = (
-                    _UNSURE if changes and refused.status >> 24 == _READ else _PLACE.get(refused.status >> 8 & 0xFF, "")
-                )
-                raise self._problem("PG708", f"the drive refused the record: {refused}", told) from refused
-            except DiagnosticError as problem:
-                lost = [
-                    replace(one, help=f"{_UNSURE}; {one.help}" if one.help else _UNSURE) for one in problem.diagnostics
-                ]
-                raise DiagnosticError(lost if changes else problem.diagnostics) from problem
-            return self._decoded(answer, request)
+                if not left or explain_status(refused.status).retry is not Retry.RESTART:
+                    raise
         raise AssertionError("the last round ends in an answer or an error")
+
+    def _refused(self, refused: RecordRefusedError, told: str = "") -> DiagnosticError:
+        help_ = told or _PLACE.get(refused.status >> 8 & 0xFF, "")
+        return self._problem("PG708", f"the drive refused the record: {refused}", help_)
 
     def _retried(self, call: Callable[[], T]) -> T:
         """The same call again while the drive is busy, with a pause."""
@@ -221,7 +228,7 @@ def read_block(parameter: Parameter, indexes: Sequence[int], block: ValueBlock) 
         yield from (ElementReading(parameter, index, block.data, None, doubt) for index in indexes)
         return
     if not parameter.type:
-        named = _BY_SIZE.get(wire.code, wire.name)
+        named = GENERIC.get(wire.code, wire.name)
         parameter = replace(parameter, type=f"{named}[{block.count}]" if wire.is_string else named)
     declared, octets = read_type(parameter.type)
     if wire.code == declared.code:
@@ -235,7 +242,7 @@ def read_block(parameter: Parameter, indexes: Sequence[int], block: ValueBlock) 
             yield element_value(parameter, index, data, typed=True)
 
 
-_BY_SIZE = {0x41: "Unsigned8", 0x42: "Unsigned16", 0x43: "Unsigned32"}
+GENERIC = {0x41: "Unsigned8", 0x42: "Unsigned16", 0x43: "Unsigned32"}
 """What is made of a value whose drive says its size alone."""
 
 

@@ -33,22 +33,45 @@ def title(kind: str, number: int, device: Device | None) -> str:
     return " / ".join(dict.fromkeys(one.title for one in found))
 
 
-def read_messages(
-    reader: ParameterReader, device: Device | None, drive_object: int, groups: int
-) -> tuple[list[Entry], list[ElementReading]]:
-    """Entries of as many groups of eight (the first are present), and what could not be read."""
-    found: list[Entry] = []
-    missing: list[ElementReading] = []
-    for kind, columns in (("F", FAULTS), ("A", ALARMS)):
-        codes, values = (
-            list(reader.read([(_column(device, columns[name]), range(PLACES * groups))], drive_object))
-            for name in ("code", "value")
-        )
-        missing += [
-            next(one for one in column if one.doubt) for column in (codes, values) if any(one.doubt for one in column)
-        ]
-        found += _entries(kind, codes, values, device)
-    return found, missing
+@dataclass(frozen=True, slots=True)
+class Buffer:
+    """Where messages of a kind lie: the parameters that may have their numbers, and that of their values."""
+
+    kind: str
+    name: str
+    codes: tuple[int, ...]
+    values: int
+
+
+BUFFERS = (
+    Buffer("F", "faults", (FAULTS["code"], 947), FAULTS["value"]),  # MICROMASTER has r947 and no r945
+    Buffer("A", "alarms", (ALARMS["code"],), ALARMS["value"]),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Messages:
+    """What a drive complains about; elements that could not be read; buffers that the device is not known to have."""
+
+    entries: list[Entry]
+    missing: list[ElementReading]
+    unknown: list[str]
+
+
+def read_messages(reader: ParameterReader, device: Device | None, drive_object: int, groups: int) -> Messages:
+    """Entries of as many groups of eight; the first are present."""
+    found = Messages([], [], [])
+    for buffer in BUFFERS:
+        number = next((pnu for pnu in buffer.codes if device is None or device.find(pnu) is not None), None)
+        if number is None:
+            found.unknown.append(buffer.name)
+            continue
+        columns = [_column(device, number, "Unsigned16"), _column(device, buffer.values, "Integer32")]
+        codes, values = (list(reader.read([(one, range(PLACES * groups))], drive_object)) for one in columns)
+        doubtful = [next((one for one in column if one.doubt), None) for column in (codes, values)]
+        found.missing.extend(one for one in doubtful if one is not None)
+        found.entries.extend(_entries(buffer.kind, codes, values, device))
+    return found
 
 
 def _entries(
@@ -59,8 +82,7 @@ def _entries(
             yield Entry(kind, code.value, title(kind, code.value, device), value.text, code.index // PLACES)
 
 
-def _column(device: Device | None, pnu: int) -> Parameter:
-    """The column as the device has it; Siemens' lists give these types to all families."""
+def _column(device: Device | None, pnu: int, usual: str) -> Parameter:
+    """The column as the device has it, or with the type that Siemens' lists give to all families."""
     known = device.find(pnu) if device is not None else None
-    types = {FAULTS["code"]: "Unsigned16", ALARMS["code"]: "Unsigned16"}
-    return known if known is not None and known.type else Parameter(pnu, types.get(pnu, "Integer32"), access="r")
+    return known if known is not None and known.type else Parameter(pnu, usual, access="r")

@@ -7,6 +7,7 @@ import socket
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 from plcgen.ds47.device import Device
 from plcgen.ds47.devices import find_device
@@ -24,8 +25,11 @@ PLACE = PnPartner("127.0.0.1")
 S120 = find_device("sinamics-s120")
 
 
-def drive(*faults: Fault, processing: int = 0) -> Drive:
-    """Drive object 2: ramps of two data sets (0 to 100), a display, a text, an array of 120 words."""
+def drive(*faults: Fault, processing: int = 0, **others: Any) -> Drive:
+    """Drive object 2 of a drive that behaves as ``others`` says.
+
+    Ramps of two data sets (0 to 100), a display, a text, an array of 120 words, a signal source.
+    """
     real, word = formats.by_name("FloatingPoint"), formats.by_name("Unsigned16")
     limits = ValueLimits(0, 100)
     parameters = [
@@ -36,7 +40,7 @@ def drive(*faults: Fault, processing: int = 0) -> Drive:
         SimulatedParameter(59901, formats.by_name("VisibleString"), ["pump 7  "]),
         SimulatedParameter(840, formats.by_name("Unsigned32"), [722 << 16 | 0xFC00 | 2]),
     ]
-    behaviour = Behaviour(record_indexes=(47, 0xB02E, 0xB02F), local_object=2, processing=processing)
+    behaviour = Behaviour(record_indexes=(47, 0xB02E, 0xB02F), local_object=2, processing=processing, **others)
     return Drive(behaviour, [DriveObject(2, {one.pnu: one for one in parameters})], faults)
 
 

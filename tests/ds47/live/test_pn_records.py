@@ -10,6 +10,7 @@ import pytest
 from plcgen.base.diagnostics import DiagnosticError
 from plcgen.ds47.device import Parameter
 from plcgen.ds47.devices import find_device
+from plcgen.ds47.live import backup
 from plcgen.ds47.live.channel import PnParameters
 from plcgen.ds47.live.profinet import TRIES, PnConnection, UdpLink, unicast
 from plcgen.ds47.sim.faults import Fault, FaultKind
@@ -57,6 +58,37 @@ def test_several_parameters():
         assert _texts(reader, (REAL, range(2)), (Parameter(52, "Unsigned16"), range(1)), (text, range(1)),
                       (source, range(1))) == ["10", "5.5", "1000", "pump 7  ", "r722.2"]  # fmt: skip
     assert wire.device.done["write"] == 1
+
+
+BEHAVIOURS = [
+    {}, {"error_words": 1}, {"answer_format": "size"}, {"multi_supported": False}, {"max_parameters": 2},
+    {"max_elements": 10}, {"record_limit": 60}, {"strict_length": False}, {"error_table": "profidrive"},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("behaviour", BEHAVIOURS, ids=str)
+def test_whatever_a_drive_can_do(behaviour):
+    """Short records, few parameters or elements, one at a time, sizes instead of types: the same values and errors."""
+    wire = Wire(PnDevice(drive(**behaviour)))
+    unknown = Parameter(9, "Unsigned16")
+    with channel(wire) as reader:
+        wanted = [(REAL, range(2)), (WORD, range(120)), (unknown, [0]), (Parameter(59901, "VisibleString[8]"), [0])]
+        found = list(reader.read(wanted, 2))
+    assert [one.text for one in found] == ["10", "5.5", *map(str, range(120)), "", "pump 7  "]
+    assert [one.doubt[:18] for one in found if one.doubt] == ["refused: error 00h"]
+
+
+@pytest.mark.parametrize("behaviour", BEHAVIOURS, ids=str)
+def test_whatever_a_drive_can_do_it_is_saved(behaviour):
+    """The same for a backup: each parameter whole, with its own type where the drive or the catalogue says one."""
+    wire = Wire(PnDevice(drive(**behaviour)))
+    known = [replace(REAL, array=None), Parameter(59900, ""), Parameter(59901, ""), Parameter(9, "")]
+    with channel(wire) as reader:
+        real, words, text, none = backup.gather(reader, known, 2)
+    assert [backup.value_text(one) for one in real.elements] == ["10", "5.5"]
+    assert [backup.value_text(one) for one in words.elements] == [str(number) for number in range(120)]
+    assert [backup.value_text(one) for one in text.elements] == ["pump 7"]
+    assert none.refusal.startswith("error 00h")
 
 
 def test_the_drive_says_its_type():

@@ -268,6 +268,19 @@ def test_faults():
     assert changes(one) == 0
 
 
+def test_faults_of_a_drive_without_those_parameters():
+    """MICROMASTER: r947 has the numbers, there is no r945, and nobody knows a parameter of alarms."""
+    word = formats.by_name("Unsigned16")
+    made = {pnu: SimulatedParameter(pnu, word, [*values], array=True, read_only=True)
+            for pnu, values in {947: [11, *[0] * 7], 949: [0] * 8}.items()}  # fmt: skip
+    one = Drive(Behaviour(record_indexes=(0xB02F,)), [DriveObject(0, made)])
+    with served(one) as where:
+        code, out, err = plcgen("live", "faults", "--port", where, "--device", "micromaster-4")
+    assert (code, err) == (0, "")
+    assert "F00011" in out
+    assert "not asked: alarms, no parameter of micromaster-4 is known to have them" in out
+
+
 def test_titles_of_a_family():
     """A number of no list has no title; without a device, all titles of a number; an alarm is no fault."""
     assert title("F", 7901, S120) == "Drive: Motor overspeed"
@@ -281,7 +294,7 @@ def test_faults_that_cannot_be_read():
     one = drive()
     with served(one) as where:
         code, out, err = plcgen("live", "faults", "--port", where, *S120_2)
-    assert (code, "no faults, no alarms" in out, "error 00h" in err) == (1, True, True)
+    assert (code, "no messages in what could be read" in out, "error 00h" in err) == (1, True, True)
 
 
 WRITE = ("live", "write", "P1120=12.5")
