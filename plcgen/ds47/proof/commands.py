@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError
 from plcgen.base.diagnostics.counting import quantity
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedRecipe
-from plcgen.ds47.proof import clocked, listed
-from plcgen.ds47.proof.recorded import NUMBER, recipe_signals
-from plcgen.ds47.proof.restored import CAUSE
-from plcgen.ds47.proof.stepped import FAILED
+from plcgen.ds47.proof import clock_input, message_lists
+from plcgen.ds47.proof.records import NUMBER, recipe_signals
+from plcgen.ds47.proof.restoration import CAUSE
+from plcgen.ds47.proof.step_facts import FAILED
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.proof.rig import Spot
@@ -95,15 +95,15 @@ def _members(layout: Layout) -> dict[str, set[str]]:
 def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterator[str]:
     """What is wrong with the structure of a job."""
     flags = {name for name, _ in job.trigger.items()}
-    values = {*clocked.inputs(job), *(use.member for use in job.outputs)}
+    values = {*clock_input.inputs(job), *(use.member for use in job.outputs)}
     values |= {*(FAILED if job.in_steps else ()), *recipe_signals(job)}
     values |= {CAUSE} if job.restores else set()
-    values |= {path.partition("[")[0] for path in listed.paths(job)}
+    values |= {path.partition("[")[0] for path in message_lists.paths(job)}
     wanted = {name for name in SIGNALS if name not in flags} | values
     prefix = f"{job.member}."
     for name in sorted(wanted ^ found):
         yield f"{prefix}{name} {'is missing' if name in wanted else 'is not a member of the job'}"
-    types = SIGNALS if job.clock is None else {**SIGNALS, clocked.TIME: job.clock.name}
+    types = SIGNALS if job.clock is None else {**SIGNALS, clock_input.TIME: job.clock.name}
     for name in sorted(wanted & found & set(types) - {use.member for use in (*job.inputs, *job.outputs)}):
         entry = locate(layout, f"{prefix}{name}")
         if not isinstance(entry.type, Elementary) or entry.type.name != types[name]:

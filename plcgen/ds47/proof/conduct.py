@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from plcgen.ds47.proof.asking import Asking
-from plcgen.ds47.proof.clocked import Times
+from plcgen.ds47.proof.clock_input import Times
 from plcgen.ds47.proof.contents import held, written
-from plcgen.ds47.proof.course import Course
 from plcgen.ds47.proof.end import check_end, check_errors, check_refused
-from plcgen.ds47.proof.fence import Fence
-from plcgen.ds47.proof.listed import Messages, fill
+from plcgen.ds47.proof.message_lists import Messages, fill
 from plcgen.ds47.proof.pace import Pace
-from plcgen.ds47.proof.recorded import Record
-from plcgen.ds47.proof.restored import BACK, CAUSE, OLD, Restoration, Restores
+from plcgen.ds47.proof.poll_results import AnotherSave, check_saved
+from plcgen.ds47.proof.poll_times import PollTimes
+from plcgen.ds47.proof.records import Record
+from plcgen.ds47.proof.restoration import BACK, CAUSE, OLD, Restoration, Restores
 from plcgen.ds47.proof.rig import SLOT, JobRig
-from plcgen.ds47.proof.saved import AnotherSave, check_saved
 from plcgen.ds47.proof.scenario import DriveScenario
-from plcgen.ds47.proof.stepped import Steps, longest_waits, route
-from plcgen.ds47.proof.waiting import Waiting
+from plcgen.ds47.proof.step_facts import Steps, longest_waits, route
+from plcgen.ds47.proof.step_run import StepRun
+from plcgen.ds47.proof.untouched import Untouched
+from plcgen.ds47.proof.wait_times import WaitTimes
 from plcgen.ds47.proof.words import DONE, DRAIN, DRAIN_MS, HOLD, NO_ANSWER, state_name
 from plcgen.proof.runner import Run
 from plcgen.proof.scenario import ScenarioError
@@ -41,9 +41,9 @@ class JobConduct:
         self.before: list[list[bytes]] = []
         self.wanted: list[list[bytes]] = []
         self.requests: list[bytes] = []
-        self.course = Course(rig, (), exact=False)
-        self.fence = Fence(rig)
-        self.asking: Asking | Waiting | None = None
+        self.steps = StepRun(rig, (), exact=False)
+        self.untouched = Untouched(rig)
+        self.times: PollTimes | WaitTimes | None = None
         self.polled = 0
         """How often this run has repeated the last telegram."""
         self.saves = 0
@@ -95,7 +95,7 @@ class JobConduct:
         if scenario.occupied:
             rig.occupy()
         happens = set(scenario.happens.values())
-        self.fence.begin(alone=not scenario.occupied and not steps.taken and not {"cold", "warm"} & happens)
+        self.untouched.begin(alone=not scenario.occupied and not steps.taken and not {"cold", "warm"} & happens)
         messages = scenario.of(Messages).messages
         if messages is not None:
             fill(rig.job, rig.drive, rig.drive_object, messages)
@@ -123,12 +123,12 @@ class JobConduct:
             self.rig.job, self.rig.drive, self.rig.drive_object, requests, self.rig.values.given
         )
         restarts = {what for at, what in scenario.happens.items() if at > 1} & {"cold", "warm"}
-        self.course = Course(self.rig, telegrams, exact=scenario.again is not None and not restarts)
-        self.asking = None
+        self.steps = StepRun(self.rig, telegrams, exact=scenario.again is not None and not restarts)
+        self.times = None
         if self.rig.job.poll is not None and not restarts:
-            self.asking = Asking(self.rig, self.rig.job.poll)
+            self.times = PollTimes(self.rig, self.rig.job.poll)
         elif self.rig.job.waits and not restarts:
-            self.asking = Waiting(self.rig)
+            self.times = WaitTimes(self.rig)
 
     def due(self, scenario: DriveScenario) -> list[list[bytes]]:
         """What the outputs must be: what the drive makes of it."""
@@ -156,7 +156,7 @@ class JobConduct:
             self.rig.alive()
             if run.scans == run.scenario.occupied // run.scenario.scan:
                 self.rig.leave()
-        if steps.taken and self.course.free:
+        if steps.taken and self.steps.free:
             if not self.taken:
                 self.taken = run.passed + steps.taken
                 self.rig.take()
@@ -164,11 +164,11 @@ class JobConduct:
             if self.taken and run.passed >= self.taken:
                 self.rig.leave()
                 self.taken = steps.taken + MANY_MS
-        if steps.still and steps.still == self.course.handed and self.rig.unit.get("state") == HOLD:
+        if steps.still and steps.still == self.steps.handed and self.rig.unit.get("state") == HOLD:
             return min(STILL_MS, self.rig.job.timeout // 2)
         if run.scenario.meddle and run.scans > 1:
             self.rig.meddle()
-        if steps.robbed and steps.robbed == self.course.handed and self.rig.unit.get("state") == DRAIN:
+        if steps.robbed and steps.robbed == self.steps.handed and self.rig.unit.get("state") == DRAIN:
             self.rig.alive(SLOT)
         if later is not None and run.scans == 2:
             self.rig.tell(later)
@@ -176,8 +176,8 @@ class JobConduct:
         counted = run.scenario.happens or run.scenario.occupied  # something happens in a certain scan
         exact = counted or run.passed < LONG_MS
         length = self.length if exact else max(self.length, self.pace.length())
-        if run.scenario.sharp is not None and self.asking is not None:
-            return self.asking.length(length, run.scenario.sharp)
+        if run.scenario.sharp is not None and self.times is not None:
+            return self.times.length(length, run.scenario.sharp)
         return length
 
     def start(self, run: Run[DriveScenario]) -> None:
@@ -188,14 +188,14 @@ class JobConduct:
         """What is handed over to the channel; no output changes before its telegram is answered."""
         rig, telegram = self.rig, self.rig.telegram
         if run.scenario.guarded:
-            self.fence.check()
-        if self.asking is not None:
-            self.asking.observe(telegram, busy=run.seen[0])
+            self.untouched.check()
+        if self.times is not None:
+            self.times.observe(telegram, busy=run.seen[0])
         if rig.building:
             self.handed_over(telegram)
         if rig.job.in_steps:
-            self.course.observe(busy=run.seen[0])
-            telegram = self.course.unanswered()
+            self.steps.observe(busy=run.seen[0])
+            telegram = self.steps.unanswered()
         if run.seen[0]:
             if rig.job.messages is not None and telegram:
                 telegram = (telegram - 1) % len(rig.job.telegrams) + 1
@@ -208,7 +208,7 @@ class JobConduct:
         rig, job = self.rig, self.rig.job
         if job.in_steps:
             longest = max(len(request) for request in self.requests)
-            telegram = self.course.number(rig.unit.bytes("telegram", longest), self.requests)
+            telegram = self.steps.number(rig.unit.bytes("telegram", longest), self.requests)
         if job.restores:
             if telegram == OLD:
                 self._merge()
@@ -223,7 +223,7 @@ class JobConduct:
         found = rig.handed_over(len(request))
         if found[1:] != request[1:]:
             raise ScenarioError(f"telegram {telegram} is {found.hex(' ').upper()}, not {request.hex(' ').upper()}")
-        asked = self.restoration.shape(telegram) if job.restores else self.course.telegrams[number - 1]
+        asked = self.restoration.shape(telegram) if job.restores else self.steps.telegrams[number - 1]
         if asked.writes and asked.parts[0].use in job.saving:
             self.saved_at = rig.cpu.clock
         order, wanted = rig.order(), rig.wanted_order(asked, len(request))
@@ -262,8 +262,8 @@ class JobConduct:
             wanted = self.due(run.scenario) if status == DONE else self.before
         before = self.before
         if self.rig.job.in_steps:
-            before = wanted = self.course.came(self.requests, self.before)
-            self.course.check(run.scenario, status)
+            before = wanted = self.steps.came(self.requests, self.before)
+            self.steps.check(run.scenario, status)
         restoration = self.restoration if self.rig.job.restores else None
         if restoration is not None:
             restoration.check(run.scenario, status, self.rig.db.get(CAUSE))
@@ -272,8 +272,8 @@ class JobConduct:
             check_refused(self.rig, run.scenario, status)
         if self.rig.job.poll is not None:
             check_saved(self.rig, status, self.saves if run.scenario.checked else None)
-        if self.asking is not None:
-            self.asking.end(status)
+        if self.times is not None:
+            self.times.end(status)
         self.before = self.rig.delivered()
         if self.rig.records is not None and not run.scenario.at_once:  # it counts in the start only
             self.rig.damage(0, {})
@@ -302,4 +302,4 @@ class JobConduct:
         run.fall()
         if self.rig.delivered() != self.before:
             raise ScenarioError("a value output changed after the end of the job")
-        self.fence.check()
+        self.untouched.check()

@@ -11,7 +11,7 @@ from datetime import timedelta
 
 from plcgen.ds47.plan.access import Part, Use
 from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
-from plcgen.ds47.proof import clocked
+from plcgen.ds47.proof import clock_input
 from plcgen.ds47.proof.scenario import Contents
 from plcgen.ds47.sim.bench import DRAWN, repeated
 from plcgen.ds47.sim.drive import Drive
@@ -37,12 +37,12 @@ class ValueSet:
         found = [(use.member, self.given[use.position]) for use in job.inputs]
         if job.timed:
             numbers = (int.from_bytes(self.given[use.position]) for use in job.timed)
-            found.append((clocked.TIME, clocked.clock_bytes(job, *numbers)))
+            found.append((clock_input.TIME, clock_input.clock_bytes(job, *numbers)))
         return found
 
-    def at(self, job: DriveJob, moment: clocked.Moment) -> ValueSet:
+    def at(self, job: DriveJob, moment: clock_input.Moment) -> ValueSet:
         """The same at another time."""
-        numbers = zip(job.timed, clocked.values(moment), strict=False)
+        numbers = zip(job.timed, clock_input.values(moment), strict=False)
         return ValueSet(self.held, {**self.given, **{use.position: n.to_bytes(4) for use, n in numbers}})
 
     def requests(self, job: DriveJob, drive_object: int) -> list[bytes]:
@@ -104,12 +104,12 @@ def alike(telegram: DriveTelegram, sent: bytes, wanted: bytes) -> bool:
     return len(sent) == len(wanted) == len(mask) and masked(sent, mask) == masked(wanted, mask)
 
 
-def _moment(kind: Contents, draw: random.Random) -> clocked.Moment:
+def _moment(kind: Contents, draw: random.Random) -> clock_input.Moment:
     """A time that a job may be given."""
     if kind in {"low", "high"}:
-        return (clocked.FIRST, 0) if kind == "low" else (clocked.LAST, clocked.DAY_MS - 1)
-    days = draw.randint(0, (clocked.LAST - clocked.FIRST).days)
-    return clocked.FIRST + timedelta(days=days), draw.randrange(clocked.DAY_MS)
+        return (clock_input.FIRST, 0) if kind == "low" else (clock_input.LAST, clock_input.DAY_MS - 1)
+    days = draw.randint(0, (clock_input.LAST - clock_input.FIRST).days)
+    return clock_input.FIRST + timedelta(days=days), draw.randrange(clock_input.DAY_MS)
 
 
 def _value_set(

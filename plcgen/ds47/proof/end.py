@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.contents import held, kept
-from plcgen.ds47.proof.listed import Messages
-from plcgen.ds47.proof.recorded import REFUSED, Record
-from plcgen.ds47.proof.restored import BACK, WRITE, Restoration
+from plcgen.ds47.proof.message_lists import Messages
+from plcgen.ds47.proof.records import REFUSED, Record
+from plcgen.ds47.proof.restoration import BACK, WRITE, Restoration
 from plcgen.ds47.proof.rig import JobRig
 from plcgen.ds47.proof.scenario import DriveScenario
-from plcgen.ds47.proof.stepped import overwritten
+from plcgen.ds47.proof.step_facts import overwritten
 from plcgen.ds47.proof.words import DEVIATES, DONE, NO_ANSWER, WORDS
 from plcgen.proof.scenario import ScenarioError
 

@@ -9,14 +9,14 @@ from itertools import pairwise
 
 from plcgen.ds47.plan.access import Verify
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
-from plcgen.ds47.proof import clocked, listed
+from plcgen.ds47.proof import clock_input, message_lists
 from plcgen.ds47.proof.contents import ValueSet, alike, held, masked, piece, taken_values, value_set, values_of
 from plcgen.ds47.proof.pace import Pace
 from plcgen.ds47.proof.partner import ScriptedDrive
-from plcgen.ds47.proof.recorded import NUMBER, Records, recipe_signals
+from plcgen.ds47.proof.poll_results import saving_scans
+from plcgen.ds47.proof.records import NUMBER, Records, recipe_signals
 from plcgen.ds47.proof.rig import record_index
-from plcgen.ds47.proof.saved import saving_scans
-from plcgen.ds47.proof.stepped import overwritten
+from plcgen.ds47.proof.step_facts import overwritten
 from plcgen.ds47.proof.stimulus import UNITS, own_dbs, pair_fb
 from plcgen.ds47.proof.words import BUILD, DONE, GRANT
 from plcgen.ds47.sim.awaited import let_come
@@ -46,7 +46,7 @@ class Instance:
     begins: int = 0
 
 
-class Trio:
+class ThreeInstances:
     """Three instances of one block: two for two drive objects of one unit, the third for another unit."""
 
     def __init__(self, plan: DrivePlan, program: Program, cpu: Cpu, job: DriveJob, number: int) -> None:
@@ -84,7 +84,11 @@ class Trio:
     def _instance(self, key: str, slot: int, id_value: int, drive: ScriptedDrive, drive_object: int) -> Instance:
         self.cpu.bus.attach(id_value, drive)
         id_name = "hardwareId" if self.plan.target.t15 else "driveAddress"
-        members = [*clocked.inputs(self.job), *(use.member for use in self.job.outputs), *listed.paths(self.job)]
+        members = [
+            *clock_input.inputs(self.job),
+            *(use.member for use in self.job.outputs),
+            *message_lists.paths(self.job),
+        ]
         members += ["statStep"] if self.job.waits else []
         paths = [f"{key}.{name}" for name in (*SIGNALS, id_name, *members, *recipe_signals(self.job))]
         db = Members(self.cpu, self.program, self.block, paths, f"{key}.")
@@ -155,7 +159,7 @@ class Trio:
             status = one.db.get("status")
             if not one.db.flag("done") or status != DONE:
                 raise ScenarioError(f"instance {one.key} ends with 16#{status:04X}")
-            if listed.shown_list(self.job, one.db) != listed.wanted(
+            if message_lists.shown_list(self.job, one.db) != message_lists.wanted(
                 self.job, one.drive, one.drive_object, one.values.given
             ):
                 raise ScenarioError(f"the list of instance {one.key} is not that of its drive")

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from plcgen.base.diagnostics import Diagnostic
 from plcgen.ds47.plan.nouns import DrivePlan
-from plcgen.ds47.proof import listed
+from plcgen.ds47.proof import message_lists
 from plcgen.ds47.proof.contents import held, masked
 from plcgen.ds47.proof.rig import JobRig
 from plcgen.ds47.proof.words import DONE, DRAIN_MS, MEANINGS
@@ -54,7 +54,7 @@ def _run(rig: JobRig, drive: Drive) -> int:
         meaning = MEANINGS.get(status, ("", ""))[1]
         raise ScenarioError(f"with your drive it ends with 16#{status:04X}, {meaning}{_refused(rig)}")
     number = drive.behaviour.aliases.get(job.drive.drive_object, job.drive.drive_object)
-    if listed.shown_list(job, rig.db) != listed.wanted(
+    if message_lists.shown_list(job, rig.db) != message_lists.wanted(
         job, drive, number, {use.position: use.data for use in job.uses}
     ):
         raise ScenarioError("the list is not that of your drive")

@@ -9,15 +9,15 @@ from typing import Any
 
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, DriveTelegram, PlannedUnit
-from plcgen.ds47.proof import clocked, listed, recorded
+from plcgen.ds47.proof import clock_input, message_lists, records
 from plcgen.ds47.proof.contents import ValueSet, alike, piece, value_set, values_of
 from plcgen.ds47.proof.pace import SCAN, Pace
 from plcgen.ds47.proof.partner import ScriptedDrive
-from plcgen.ds47.proof.recorded import NUMBER, Records, shared
-from plcgen.ds47.proof.restored import CAUSE, OUTCOMES
-from plcgen.ds47.proof.saved import check_held_back, saving_scans
+from plcgen.ds47.proof.poll_results import check_held_back, saving_scans
+from plcgen.ds47.proof.records import NUMBER, Records, shared
+from plcgen.ds47.proof.restoration import CAUSE, OUTCOMES
 from plcgen.ds47.proof.scenario import Contents, DriveScenario
-from plcgen.ds47.proof.stepped import FAILED
+from plcgen.ds47.proof.step_facts import FAILED
 from plcgen.ds47.proof.words import DONE, GRANT, WORDS
 from plcgen.ds47.sim.awaited import let_come
 from plcgen.ds47.sim.bench import build_unit
@@ -82,10 +82,10 @@ class Plant:
         yield from (name for name in SIGNALS if getattr(job.trigger, name) is None)
         yield from FAILED if job.in_steps else ()
         yield from (CAUSE,) if job.restores else ()
-        yield from recorded.recipe_signals(job)
-        yield from clocked.inputs(job)
+        yield from records.recipe_signals(job)
+        yield from clock_input.inputs(job)
         yield from (use.member for use in job.outputs)
-        yield from listed.paths(job)
+        yield from message_lists.paths(job)
 
     def _build(self, unit: PlannedUnit) -> ScriptedDrive:
         uses: dict[int, list[Use]] = {drive.drive_object: [] for drive in self.plan.drives if drive.unit is unit}
@@ -207,9 +207,9 @@ class Plant:
             if job.stores:
                 continue
             own = self.values[job.key].given
-            drawn = {use.member: own[use.position] for use in recorded.members(job)}
+            drawn = {use.member: own[use.position] for use in records.members(job)}
             record = job.recipe.values[0] if delivered else first.setdefault(job.recipe.key, drawn)
-            given = {use.position: record[use.member] for use in recorded.members(job)}
+            given = {use.position: record[use.member] for use in records.members(job)}
             if not delivered:
                 found.put(given)
             self.values[job.key] = shared(self.values[job.key], job, given)
@@ -334,9 +334,9 @@ class Plant:
     def check_list(self, job: DriveJob, answers: list[list[bytes]]) -> None:
         """A list is that of the last answers; where jobs send the same, and something is written, of earlier ones."""
         given = self.values[job.key].given
-        shown = listed.shown_list(job, self.control(job), f"{job.member}.")
+        shown = message_lists.shown_list(job, self.control(job), f"{job.member}.")
         tried = islice(product(*(dict.fromkeys(reversed(found)) for found in answers)), MANY)
-        if not any(listed.answered(job, chosen, given) == shown for chosen in tried):
+        if not any(message_lists.answered(job, chosen, given) == shown for chosen in tried):
             raise ScenarioError(f"the list of {job.key} is not what came")
 
     def check_record(self, job: DriveJob) -> None:
@@ -349,7 +349,7 @@ class Plant:
             requests = self.values[one.key].requests(one, one.drive.drive_object)
             answers = [[a for sent, a in exchanges if sent[1:] == request[1:]] for request in requests]
             tried = islice(product(*(dict.fromkeys(reversed(came)) for came in answers)), MANY)
-            if any(found.holds(listed.came(one, chosen)) for chosen in tried):
+            if any(found.holds(message_lists.came(one, chosen)) for chosen in tried):
                 return
         raise ScenarioError(f"the record of {job.key} has not what came")
 

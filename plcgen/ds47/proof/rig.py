@@ -6,13 +6,13 @@ from collections.abc import Mapping
 
 from plcgen.ds47.plan.access import Part, Running, Verify
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram
-from plcgen.ds47.proof import clocked, listed
+from plcgen.ds47.proof import clock_input, message_lists
 from plcgen.ds47.proof.contents import ValueSet, held, kept, piece, value_set
 from plcgen.ds47.proof.partner import ScriptedDrive
-from plcgen.ds47.proof.recorded import NUMBER, Records, recipe_signals
-from plcgen.ds47.proof.restored import CAUSE
+from plcgen.ds47.proof.records import NUMBER, Records, recipe_signals
+from plcgen.ds47.proof.restoration import CAUSE
 from plcgen.ds47.proof.scenario import Contents
-from plcgen.ds47.proof.stepped import FAILED, triggers
+from plcgen.ds47.proof.step_facts import FAILED, triggers
 from plcgen.ds47.proof.stimulus import SLOTS, UNITS, shape_fb
 from plcgen.ds47.proof.words import BUILD, COUNTERS, STEP_MS
 from plcgen.ds47.sim.awaited import let_come
@@ -68,8 +68,8 @@ class JobRig:
         self.cpu.forget_coverage()
         self.id_name = "hardwareId" if plan.target.t15 else "driveAddress"
         self.channel = Members(self.cpu, program, f"{shape_fb(number)}_DB", CHANNEL, "channel0.")
-        values = [*clocked.inputs(job), *(use.member for use in job.outputs)]
-        paths = [f"job.{name}" for name in (*SIGNALS, self.id_name, *values, *listed.paths(job))]
+        values = [*clock_input.inputs(job), *(use.member for use in job.outputs)]
+        paths = [f"job.{name}" for name in (*SIGNALS, self.id_name, *values, *message_lists.paths(job))]
         paths += [f"job.{name}" for name in GUARD] if job.guarded else []
         paths += [f"job.{CLOCK}"] if job.poll is not None or job.waits else []
         paths += [f"job.{name}" for name in FAILED] if job.in_steps else []
@@ -144,10 +144,10 @@ class JobRig:
         self.values.put(self.drive, self.drive_object)
         self.put_inputs()
 
-    def tell(self, moment: clocked.Moment | bytes | None) -> None:
+    def tell(self, moment: clock_input.Moment | bytes | None) -> None:
         """The time at the input of a job that sets a clock; of bytes that are no time nothing is expected."""
         if isinstance(moment, bytes):
-            self.db.put(clocked.TIME, moment)
+            self.db.put(clock_input.TIME, moment)
         elif moment is not None:
             self.values = self.values.at(self.job, moment)
             self.put_inputs()
@@ -215,7 +215,7 @@ class JobRig:
             there = {use.position: held(self.drive, self.drive_object, use) for use in self.job.uses}
             return self._listed(self.records.wanted(there))
         if self.job.listed is not None:
-            return self._listed(listed.wanted(self.job, self.drive, self.drive_object, self.values.given))
+            return self._listed(message_lists.wanted(self.job, self.drive, self.drive_object, self.values.given))
         known = {use.position: held(self.drive, self.drive_object, use) for use in self.job.outputs}
         for use in self.job.outputs:
             if back := use.as_(Verify):
@@ -227,7 +227,7 @@ class JobRig:
         if self.records is not None and self.job.stores:
             return self._listed(self.records.shown())
         if self.job.listed is not None:
-            return self._listed(listed.shown_list(self.job, self.db))
+            return self._listed(message_lists.shown_list(self.job, self.db))
         return [[self.output(part) for part in t.parts if not t.writes] for t in self.job.telegrams]
 
     def _listed(self, content: bytes) -> list[list[bytes]]:

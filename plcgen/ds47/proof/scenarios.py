@@ -11,7 +11,7 @@ from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.ds47.proof.points import FEW, ends, fault, positions, replaced_values, value_at
 from plcgen.ds47.proof.rig import VALUE_SETS
 from plcgen.ds47.proof.scenario import DriveScenario, Edit
-from plcgen.ds47.proof.stepped import triggers
+from plcgen.ds47.proof.step_facts import triggers
 from plcgen.ds47.proof.words import WORDS
 from plcgen.ds47.registry import brought
 from plcgen.ds47.wire import formats

@@ -21,7 +21,7 @@ from plcgen.ds47.proof.ledger import ledger
 from plcgen.ds47.proof.own_drive import own_checks
 from plcgen.ds47.proof.plant import Plant
 from plcgen.ds47.proof.published import published_checks
-from plcgen.ds47.proof.restored import CHECK
+from plcgen.ds47.proof.restoration import CHECK
 from plcgen.ds47.proof.rig import JobRig
 from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.ds47.proof.scenarios import STATE_CONFLICT, fault_matrix, polls

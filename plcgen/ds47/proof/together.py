@@ -7,11 +7,11 @@ from functools import partial
 from itertools import permutations, zip_longest
 
 from plcgen.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, PlannedUnit
-from plcgen.ds47.proof.instances import Trio
+from plcgen.ds47.proof.instances import ThreeInstances
 from plcgen.ds47.proof.pace import Pace
 from plcgen.ds47.proof.partner import ScriptedDrive
 from plcgen.ds47.proof.plant import Plant
-from plcgen.ds47.proof.restored import OUTCOMES
+from plcgen.ds47.proof.restoration import OUTCOMES
 from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.ds47.proof.sections import LARGE, PlantSection, plant_sections
 from plcgen.ds47.proof.stimulus import own_dbs, pair_fb
@@ -206,7 +206,7 @@ def _access(plan: DrivePlan, program: Program) -> None:
 def _instances(job: DriveJob, number: int, near: int) -> Callable[[Plant], None]:
     def run(plant: Plant) -> None:
         plant.place = file_of(plant.program, job.block.name), 1
-        for _ in Trio(plant.plan, plant.program, plant.cpu, job, number).run(near, near // 2):
+        for _ in ThreeInstances(plant.plan, plant.program, plant.cpu, job, number).run(near, near // 2):
             plant.scans += 1
 
     return run
@@ -223,7 +223,7 @@ def _two_obs(plant: Plant) -> None:
     if main is None:
         raise ScenarioError("there is no cyclic OB")
     number, job = _twice(plant.plan)[0]
-    trio = Trio(plant.plan, plant.program, plant.cpu, job, number)
+    trio = ThreeInstances(plant.plan, plant.program, plant.cpu, job, number)
     plant.launch()
     passed = len(plant.cpu.run(main.name, 0, interrupt={}).points)
     waiting = set(plant.plan.jobs)

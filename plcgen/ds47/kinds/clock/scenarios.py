@@ -6,7 +6,7 @@ import datetime as dt
 from collections.abc import Iterator
 
 from plcgen.ds47.plan.nouns import DriveJob
-from plcgen.ds47.proof.clocked import DAY_MS, FIRST, LAST, Moment, Times, clock_bytes, of, values
+from plcgen.ds47.proof.clock_input import DAY_MS, FIRST, LAST, Moment, Times, clock_bytes, of, values
 from plcgen.ds47.proof.scenario import DriveScenario, KindScenarios
 from plcgen.ds47.proof.words import WORDS
 

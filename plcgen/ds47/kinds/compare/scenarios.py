@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveJob
-from plcgen.ds47.proof.compared import SIGN, swapped
+from plcgen.ds47.proof.deviation_lists import SIGN, swapped
 from plcgen.ds47.proof.keeping import anything, moved, other
 from plcgen.ds47.proof.points import ends, positions
 from plcgen.ds47.proof.rig import VALUE_SETS

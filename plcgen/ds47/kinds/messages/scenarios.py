@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcgen.ds47.plan.nouns import DriveJob
-from plcgen.ds47.proof.listed import COUNTERS, GROUP, Messages, columns
+from plcgen.ds47.proof.message_lists import COUNTERS, GROUP, Messages, columns
 from plcgen.ds47.proof.scenario import DriveScenario, Event, KindScenarios
 from plcgen.ds47.proof.words import WORDS
 from plcgen.ds47.sim.drive import Drive

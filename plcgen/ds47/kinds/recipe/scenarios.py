@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.points import fault
-from plcgen.ds47.proof.recorded import Record, members
+from plcgen.ds47.proof.records import Record, members
 from plcgen.ds47.proof.scenario import DriveScenario, KindScenarios
 from plcgen.ds47.proof.words import WORDS
 from plcgen.ds47.wire.formats import Format, FormatKind, integer_range, pack_values

@@ -11,7 +11,7 @@ from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.keeping import other
 from plcgen.ds47.proof.points import fault, positions
 from plcgen.ds47.proof.polling import not_supported
-from plcgen.ds47.proof.restored import BACK, CHECK, NOT_SAVED, NOW, OLD, OUTCOMES, RETURN, RUNS, WRITE, Restores
+from plcgen.ds47.proof.restoration import BACK, CHECK, NOT_SAVED, NOW, OLD, OUTCOMES, RETURN, RUNS, WRITE, Restores
 from plcgen.ds47.proof.scenario import DriveScenario, Event, KindScenarios
 from plcgen.ds47.proof.words import DEVIATES, DONE, WORDS
 from plcgen.ds47.sim.drive import Drive

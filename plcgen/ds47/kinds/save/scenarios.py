@@ -10,8 +10,8 @@ from plcgen.ds47.plan.access import Verify
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.deviating import another
 from plcgen.ds47.proof.pace import SCAN
+from plcgen.ds47.proof.poll_results import AnotherSave
 from plcgen.ds47.proof.polling import FATAL_WRITE, LOST, before, not_supported, polling
-from plcgen.ds47.proof.saved import AnotherSave
 from plcgen.ds47.proof.scenario import DriveScenario, KindScenarios
 from plcgen.ds47.proof.words import WORDS
 from plcgen.ds47.sim.faults import Fault, FaultKind

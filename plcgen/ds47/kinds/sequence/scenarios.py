@@ -14,7 +14,7 @@ from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
 from plcgen.ds47.proof.block_clock import STANDSTILL_MS
 from plcgen.ds47.proof.points import replaced_values, value_at
 from plcgen.ds47.proof.scenario import Contents, DriveScenario, Edit, KindScenarios
-from plcgen.ds47.proof.stepped import Steps
+from plcgen.ds47.proof.step_facts import Steps
 from plcgen.ds47.proof.words import WORDS
 from plcgen.ds47.sim.faults import Fault, FaultKind
 from plcgen.ds47.wire.formats import FormatKind, integer_range, pack_values, unpack_values

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from plcgen.ds47.kind import Wait
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
-from plcgen.ds47.proof.listed import Messages
+from plcgen.ds47.proof.message_lists import Messages
 from plcgen.ds47.proof.scenario import DriveScenario
 
 TRIGGERS = {15, 970, 971, 972, 973, 974, 976, 977, 3900, 3981}

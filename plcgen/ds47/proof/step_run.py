@@ -8,12 +8,12 @@ from plcgen.ds47.plan.nouns import DriveTelegram
 from plcgen.ds47.proof.contents import told
 from plcgen.ds47.proof.rig import JobRig
 from plcgen.ds47.proof.scenario import DriveScenario
-from plcgen.ds47.proof.stepped import Steps
+from plcgen.ds47.proof.step_facts import Steps
 from plcgen.ds47.proof.words import DONE, IDLE, NO_ANSWER, WORDS
 from plcgen.proof.scenario import ScenarioError
 
 
-class Course:
+class StepRun:
     """How far a run of a sequence has come: ``handed`` telegrams of its route have been handed over."""
 
     def __init__(self, rig: JobRig, telegrams: Sequence[DriveTelegram], *, exact: bool) -> None:

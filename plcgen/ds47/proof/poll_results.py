@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from plcgen.ds47.plan.nouns import DriveJob
-from plcgen.ds47.proof.restored import CAUSE
+from plcgen.ds47.proof.restoration import CAUSE
 from plcgen.ds47.proof.rig import JobRig
 from plcgen.ds47.proof.words import DONE, WORDS
 from plcgen.ds47.sim.bench import SAVING_MS

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from plcgen.ds47.kind import Poll
 from plcgen.ds47.proof.block_clock import STANDSTILL_MS, BlockClock
-from plcgen.ds47.proof.restored import CAUSE
+from plcgen.ds47.proof.restoration import CAUSE
 from plcgen.ds47.proof.rig import REST, JobRig
 from plcgen.ds47.proof.words import STEP_MS, WORDS
 from plcgen.proof.scenario import ScenarioError
@@ -15,7 +15,7 @@ GIVEN_UP = tuple(WORDS[name] for name in ("NOT_SAVED", "NOT_ACKNOWLEDGED", "FAUL
 """How one ends whose last question said no."""
 
 
-class Asking:
+class PollTimes:
     """The questions of one run: the first an interval behind the answer to the write, each other one behind the last.
 
     The first that is handed over when the limit is over is the last one.

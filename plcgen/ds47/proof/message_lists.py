@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from plcgen.ds47.plan.nouns import DriveJob
-from plcgen.ds47.proof import compared
+from plcgen.ds47.proof import deviation_lists
 from plcgen.ds47.proof.contents import held
 from plcgen.ds47.sim.drive import Drive
 from plcgen.ds47.wire.formats import Format, Value, pack_values, padded, unpack_values
@@ -62,7 +62,7 @@ def groups(job: DriveJob) -> int:
 def paths(job: DriveJob) -> Iterator[str]:
     """Members of the block that have the list."""
     if job.deviations is not None:
-        yield from compared.deviation_members(job)
+        yield from deviation_lists.deviation_members(job)
     if job.messages is None:
         return
     for place in range(1, GROUP * groups(job) + 1):
@@ -82,7 +82,9 @@ def wanted(job: DriveJob, drive: Drive, drive_object: int, given: Mapping[int, b
     ``given`` are the wire bytes that the drive should have, by position of the use. Raises KeyError.
     """
     if job.deviations is not None:
-        return compared.deviation_list(job, given, {use.position: held(drive, drive_object, use) for use in job.uses})
+        return deviation_lists.deviation_list(
+            job, given, {use.position: held(drive, drive_object, use) for use in job.uses}
+        )
     parameters = drive.objects[drive_object].parameters
     return _entries(job, {pnu: (parameters[pnu].format, parameters[pnu].values) for _, pnu in columns(job)})
 
@@ -90,7 +92,7 @@ def wanted(job: DriveJob, drive: Drive, drive_object: int, given: Mapping[int, b
 def answered(job: DriveJob, answers: Sequence[bytes], given: Mapping[int, bytes]) -> bytes:
     """The list that good answers make, one to each telegram."""
     if job.deviations is not None:
-        return compared.deviation_list(job, given, came(job, answers))
+        return deviation_lists.deviation_list(job, given, came(job, answers))
     found: dict[int, tuple[Format, list[Value]]] = {}
     for telegram, answer in zip(job.telegrams, answers, strict=True):
         at = 4

@@ -12,7 +12,7 @@ Piece = tuple[str, Memory, int, int | None]
 """Name, memory, first byte, end."""
 
 
-class Fence:
+class Untouched:
     """Bytes around a job.
 
     Nobody ever writes to ``still``, which was ``untouched``; the requests of other slots are as ``begin`` found them.

@@ -12,7 +12,7 @@ FIRST, LAST_MS = 8, 20 * STEP_MS
 """So many questions fall to the millisecond, and those that long in front of the limit."""
 
 
-class Waiting:
+class WaitTimes:
     """The questions of one run: the job asks for the unit when the interval behind the last one is over.
 
     The first question that is handed over when the limit is over, counted from the first of its step, is the last one.
