@@ -10,7 +10,7 @@ import click
 from plcgen.cli.completed import toolchains
 from plcgen.cli.options import PATH, console, device_option, force_option, verb
 from plcgen.cli.output import OK
-from plcgen.cli.starter import RECIPES, starter, usable
+from plcgen.cli.starter import KINDS, RECIPES, ppi_starter, starter, usable
 from plcgen.s7.types.families import FAMILIES
 
 if TYPE_CHECKING:
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     "plcgen new",
     "plcgen new press.yaml --device sinamics-dcm --family s7-300",
     "plcgen new fan.yaml --device sinamics-g120 --job actual-values --job faults",
+    "plcgen new line.yaml --ppi --family s7-1200",
 )
 @click.argument("path", type=PATH, default="job.yaml", metavar="[PATH]")
 @device_option("Device profile.  [default: sinamics-s120]", default="sinamics-s120")
@@ -36,30 +37,55 @@ if TYPE_CHECKING:
     "--job",
     "jobs",
     multiple=True,
-    type=click.Choice(tuple(RECIPES)),
-    help="A job to start with (repeatable).  [default: all that the device is known to have]",
+    type=click.Choice((*RECIPES, *KINDS)),
+    metavar="JOB",
+    help=f"A job to start with (repeatable): {', '.join((*RECIPES, *KINDS))}.  "
+    "[default: the first three, if the device is known to have them]",
 )
+@click.option("--faq", is_flag=True, help="Member names and data blocks as in Siemens FAQ 109750712.")
+@click.option("--ppi", is_flag=True, help="A PPI master of S7-200 stations instead of drives.")
 @force_option("Overwrite an existing file.")
-def command(*, path: Path, device: str, family: str, toolchain: str | None, jobs: tuple[str, ...]) -> int:
+def command(
+    *, path: Path, device: str, family: str, toolchain: str | None, jobs: tuple[str, ...], faq: bool, ppi: bool
+) -> int:
     """Write a commented starter spec (job.yaml); PATH - writes to stdout.
 
     It begins with reading actual values, setting ramps and reading the fault buffer.
     """
     out = console()
-    tool = _toolchain(family, toolchain)
-    profile = _device(device, path.parent)
-    known = usable(profile)
-    for job in jobs:
-        if job not in known:
-            offered = f"available: {', '.join(known)}" if known else "no job is available"
-            raise click.UsageError(f"the catalogue of {device} does not confirm what --job {job} needs; {offered}")
-    text = starter("job.yaml" if path == Path("-") else path.name, profile, family, tool, jobs)
+    tool, name = _toolchain(family, toolchain), "job.yaml" if path == Path("-") else path.name
+    if ppi:
+        text = ppi_starter(name, family, tool)
+    else:
+        profile = _device(device, path.parent)
+        known = usable(profile)
+        for job in jobs:
+            if job not in known and job not in KINDS:
+                offered = f"available: {', '.join(known)}" if known else "no job is available"
+                raise click.UsageError(f"the catalogue of {device} does not confirm what --job {job} needs; {offered}")
+        text = starter(name, profile, family, tool, jobs, faq=faq)
+        if set(jobs) & set(KINDS):
+            _hold(text, device)
     if path == Path("-"):
         out.result(text)
         return OK
     out.result(text, path, fresh=True)
     out.say(f"next: plcgen check {path}")
     return OK
+
+
+def _hold(text: str, device: str) -> None:
+    """Refuse a job that the device cannot have: ``check`` would."""
+    import tempfile
+
+    from plcgen import api
+
+    with tempfile.TemporaryDirectory(prefix="plcgen-new-") as room:
+        spec = Path(room) / "job.yaml"
+        spec.write_text(text, "utf-8")
+        wrong = [one for one in api.check(spec).diagnostics if one.severity.label == "error"]
+    if wrong:
+        raise click.UsageError(f"{device} cannot have such a job: {wrong[0].message}")
 
 
 def _toolchain(family: str, given: str | None) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -73,15 +74,74 @@ RECIPES = {
 """Speed, DC link voltage, current and torque; ramp times; the eight faults of the present fault situation."""
 
 
+KINDS = {
+    "bits": "write: {W.2: 1} | one bit; the word is read first",
+    "readback": "write: {P: }\nverify: readback | what is written is read back and compared",
+    "restore": "write: {P: }\nverify: readback\non_error: restore | the old value comes back if the job fails",
+    "save": "save: drive_object | copies RAM to ROM; not in a cycle",
+    "compare": "compare: {P: 10.0} | lists what differs",
+    "sequence": "sequence: [{write: {P: 5.0}}, {read: [P]}] | steps; {until: {P: 5.0, timeout: 5s}} waits",
+    "messages": "faults: current | faults as an array of structures; alarms: current for alarms",
+    "acknowledge": "acknowledge: true",
+    "activate": "activate: input | takes the drive object out of operation and back",
+    "clock": "clock: utc | of a control unit",
+    "recipe": "write_recipe: material | the record with the number at its input",
+}
+"""Every other kind of job, by a word for it; P stands for a parameter that the device has, W for one of 16 bits."""
+_RECIPES = """
+recipes:
+  material: {parameters: [P], records: {copper: {P: 5.0}, steel: {P: 10.0}}}
+"""
+PPI = """\
+# A spec of plcgen for a PPI master. Check it with    plcgen check {file}
+
+plc: {{name: My station, family: {family}, toolchain: {toolchain}}}
+
+ppi:
+  line:
+    module: {module} | cm1241, cb1241, cm-ptp; cp341 on an S7-300
+    {port} | of the module
+    stations: {{s7_200: {{address: 2}}}} | cpu: "224" refuses addresses that it does not have
+    jobs:
+      read_level: {{station: s7_200, read: [VW100, M0.0], cycle: 1s}} | without cycle: on demand
+      set_level: {{station: s7_200, write: {{VW200: }}}} | an input of the block
+"""
+
+
+def ppi_starter(file: str, family: str, toolchain: str) -> str:
+    """A starter spec of a PPI master."""
+    module, port = ("cp341", "address: 256") if family in {"s7-300", "s7-400"} else ("cm1241", "port: 270")
+    module = "cm-ptp" if family == "s7-1500" else module
+    text = PPI.format(file=file, family=family, toolchain=toolchain, module=module, port=port)
+    return "".join(_aligned(line) for line in text.splitlines())
+
+
+def _of_kinds(kinds: Sequence[str], device: Device) -> str:
+    """Jobs of some kinds, and the recipe of one that has any."""
+    known = _known(device)
+    ramp = next((number for number in (1120, 1121, 50303, 50304) if number in known), None)
+    first = next((p.pnu for p in known.values() if "w" in p.access), 1120) if ramp is None else ramp
+    words = [p.pnu for p in known.values() if p.type == "Unsigned16" and "w" in p.access and not device.danger(p.pnu)]
+    word = 1030 if 1030 in words else next(iter(words), first)
+    lines = []
+    for kind in kinds:
+        lines += [f"  {kind}:", "    drive: drive1", *(f"    {line}" for line in KINDS[kind].split("\n"))]
+    text = "\n".join(lines) + "\n" + (_RECIPES if "recipe" in kinds else "")
+    return re.sub(r"\bW\b", f"P{word}", re.sub(r"\bP\b", f"P{first}", text))
+
+
 def usable(device: Device) -> tuple[str, ...]:
     """Names of the recipes that a device has the parameters for, with types that are more than recalled."""
     return tuple(name for name, recipe in RECIPES.items() if _known(device).keys() & recipe.needed)
 
 
-def starter(file: str, device: Device, family: str, toolchain: str, jobs: Sequence[str] = ()) -> str:
+def starter(
+    file: str, device: Device, family: str, toolchain: str, jobs: Sequence[str] = (), *, faq: bool = False
+) -> str:
     """A starter spec that passes every check.
 
-    It has the recipes ``jobs``, by default all that are usable, else a parameter to read and one to write.
+    It has the recipes and kinds ``jobs``, by default all recipes that are usable, else a parameter to read and one to
+    write. ``faq``: member names and data blocks as in FAQ 109750712.
     """
     classic = family in {"s7-300", "s7-400"}
     hint = "logical address, see the hardware configuration" if classic else "hardware identifier"
@@ -97,11 +157,21 @@ def starter(file: str, device: Device, family: str, toolchain: str, jobs: Sequen
         drive_object=device.drive_object,
         rule=device.drive_object_rule,
     )
+    if faq:
+        head = head.replace("  # names: faq |", "  names: faq |")
+    kinds = [job for job in jobs if job in KINDS]
+    if "clock" in kinds:  # the control unit has it
+        head = head.replace(f"drive_object: {device.drive_object} ", "drive_object: 1 ")
+    if kinds and len(kinds) == len(jobs):
+        return "".join(_aligned(line) for line in (head + _of_kinds(kinds, device)).splitlines())
     known = _known(device)
     recipes = [RECIPES[name] for name in RECIPES if name in (jobs or usable(device))] or _any_two(device)
     if not jobs and all(recipe.writes for recipe in recipes):
         recipes.insert(0, _reading(known[next(number for number in recipes[0].numbers if number in known)]))
     body = "\n".join(_job(recipe, known if recipe.needed else device.parameters) for recipe in recipes)
+    if faq:
+        body = re.sub(r"(?m)^(    drive: drive1)$", r"\1\n    buffers: db", body)
+    body += _of_kinds(kinds, device)
     return "".join(_aligned(line) for line in (head + body + _MORE[recipes[-1].writes] + _TAIL).splitlines())
 
 
