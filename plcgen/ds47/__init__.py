@@ -30,6 +30,8 @@ class Ds47:
 
     key = "ds47"
     sections = ("jobs", "drives", "units", "recipes")
+    entries = ("units", "drives", "jobs")
+    details = ("comment", "cycle", "reference", "retries", "retry_pause", "split", "timeout", "trigger")
     length_note = " (LEN of WRREC)"
 
     def section(self, *, alone: bool) -> type[BaseModel]:

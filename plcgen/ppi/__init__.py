@@ -30,6 +30,8 @@ class Ppi:
 
     key = "ppi"
     sections = ("ppi",)
+    entries = ("stations", "jobs")
+    details = ("comment", "cycle", "retries", "retry_pause", "timeout", "trigger")
     length_note = ""
 
     def section(self, *, alone: bool) -> type[BaseModel]:  # noqa: ARG002 - the same in every company

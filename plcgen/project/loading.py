@@ -47,7 +47,12 @@ def salvage_spec(path: Path) -> Salvaged[Spec] | None:
     """What can be planned of a spec whose shape is wrong; None if that would be nothing."""
     found = Report()
     composed = compose(read_text(path), path.as_posix(), found)
-    return None if composed is None else salvage(composed.root, found, _SPEC, _PARTS)
+    if composed is None:
+        return None
+    known = protocols()
+    entries = frozenset(key for protocol in known for key in protocol.entries)
+    details = frozenset(key for protocol in known for key in protocol.details)
+    return salvage(composed.root, found, _SPEC, Parts(("plc",), entries, details))
 
 
 def _parsed(text: str, file: str, included: dict[str, str]) -> LoadedSpec:
@@ -74,12 +79,6 @@ def spec_keys(path: SpecPath) -> list[str]:
     """Keys that a spec may have at a path, whatever protocols it uses."""
     return keys_at(spec_model(protocols()), path)
 
-
-_PARTS = Parts(
-    head=("plc",),
-    sections=frozenset({"units", "drives", "jobs", "stations"}),
-    details=frozenset({"comment", "cycle", "reference", "retries", "retry_pause", "split", "timeout", "trigger"}),
-)
 
 _SPEC: FileShape[Spec] = FileShape(
     model=lambda root: spec_model(used_protocols(root)),

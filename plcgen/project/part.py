@@ -56,6 +56,14 @@ class SpecPart(typing.Protocol):
     def sections(self) -> tuple[str, ...]:
         """The keys of a spec that belong to the protocol, the one that is always there first."""
 
+    @property
+    def entries(self) -> tuple[str, ...]:
+        """Keys below which entries stand by name: of a file with mistakes, one that is wrong is left out as a whole."""
+
+    @property
+    def details(self) -> tuple[str, ...]:
+        """Keys of entries on which nothing else depends: a wrong one is left out alone."""
+
     def section(self, *, alone: bool) -> type[BaseModel]:
         """Shape of these keys; ``alone`` if the spec uses no other protocol."""
 

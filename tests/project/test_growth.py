@@ -80,9 +80,11 @@ def test_work_grows_with_the_size(what: str, tmp_path: Path) -> None:
 
 DOOR_GROWS: dict[str, tuple[str, Callable[[int], str]]] = {
     "members of a lock": (
-        "lock", lambda n: "format: 1\nblocks:\n  DB B:\n    access: standard\n    members:\n" + rows('      m#: ""', n)
+        "lock",
+        lambda n: "format: 2\nblocks:\n- {kind: DB, name: B, hash: x, access: standard, members: [\n"
+        + rows("  {path: m#, type: 1},", n) + "  ]}\n",
     ),
-    "blocks of a lock": ("lock", lambda n: "format: 1\nblocks:\n" + rows("  XX B#: {acess: 1}", n)),
+    "blocks of a lock": ("lock", lambda n: "format: 2\nblocks:\n" + rows("- {kind: XX, name: B#}", n)),
     "kinds of change": ("policy", lambda n: rows("member-renamet#: compatibel", n)),
     "addresses of a station": ("station", lambda n: "values:\n" + rows("  VX#: 1", n)),
     "stations": ("station", lambda n: "stations:\n" + rows("  - {address: 2, cpux: 1}", n)),

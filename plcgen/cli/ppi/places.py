@@ -15,7 +15,7 @@ from plcgen.ppi.wire.errors import PpiError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from plcgen.ppi.client.places import Place, PlaceError
+    from plcgen.ppi.client.places import Place
     from plcgen.ppi.symbols import SymbolTable
     from plcgen.ppi.wire.model import Item, ItemWrite
     from plcgen.ppi.wire.profiles import CpuProfile
@@ -108,14 +108,10 @@ def _each(words: Sequence[str], read: Callable[[Argument], Result]) -> list[Resu
         try:
             found.append(read(argument))
         except PlaceError as problem:
-            problems.append(_diagnostic(problem, argument))
+            problems.append(Diagnostic(problem.code, problem.message, argument.span, help=problem.help))
     if problems:
         raise DiagnosticError(problems)
     return found
-
-
-def _diagnostic(problem: PlaceError, argument: Argument) -> Diagnostic:
-    return Diagnostic(problem.code, problem.message, argument.span, help=problem.help)
 
 
 def _require_memory(item: Item, cpu: CpuProfile | None) -> None:

@@ -26,7 +26,7 @@ def instance_starts(block: Block, owner: Block | None) -> tuple[tuple[str, str],
     types = {path: member.type for b in (owner, block) if b is not None for path, member in _leaves(b)}
     changed = {}
     for path, literal in found.items():
-        type_ = types.get(_without_indices(path))
+        type_ = types.get(re.sub(r"\[[^\]]*\]", "", path))
         usual = declared.get(path)
         own = _canonical(literal, type_)
         before = "" if usual is None else _canonical(usual, type_)
@@ -59,7 +59,3 @@ def _leaves(block: Block) -> Iterator[tuple[str, Member]]:
 def _canonical(literal: str, type_: DataType | None) -> str:
     """The same text for every spelling of a value; empty for the default of its type."""
     return normalized(literal) if type_ is None else literal_start(Member("", innermost(type_), literal))
-
-
-def _without_indices(path: str) -> str:
-    return re.sub(r"\[[^\]]*\]", "", path)

@@ -32,7 +32,7 @@ class CallCost:
         for argument in node.arguments:
             if isinstance(argument.value, ast.Omitted):
                 continue
-            declared = _declared(block, argument.name)
+            declared = _parameter_of(block, argument.name)[1]
             size += costs.POINTER + self._argument(argument.value, declared, by_any=name in _BY_ANY)
         returned = block.section(SectionKind.RETURN) if block is not None else ()
         width = self.names.width(returned[0].type) if returned else _WORD
@@ -109,10 +109,6 @@ class CallCost:
 
 def _name(node: ast.Expression) -> str:
     return node.name.upper() if isinstance(node, ast.Name) else ""
-
-
-def _declared(block: Block | None, name: str | None) -> DataType | None:
-    return _parameter_of(block, name)[1]
 
 
 def _parameter_of(block: Block | None, name: str | None) -> tuple[SectionKind | None, DataType | None]:

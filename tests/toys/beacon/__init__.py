@@ -129,6 +129,8 @@ class Beacon:
 
     key = "beacon"
     sections = ("beacons",)
+    entries = ("beacons",)
+    details = ()
     length_note = ""
 
     def section(self, *, alone):  # noqa: ARG002 - the same in every company
