@@ -17,6 +17,7 @@ SECTIONS: Sections = (
         (
             ("read", "Read values by address or symbol."),
             ("monitor", "Read values again and again."),
+            ("log", "Keep values in a file: CSV, JSON lines, SQLite."),
             ("write", "Write values (with --yes-write)."),
         ),
     ),
