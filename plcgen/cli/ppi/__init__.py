@@ -22,6 +22,14 @@ SECTIONS: Sections = (
         ),
     ),
     (
+        "Memory as a file",
+        (
+            ("backup", "Read memory into a file."),
+            ("compare", "Compare memory with a backup."),
+            ("restore", "Write a backup into a station (with --yes-write)."),
+        ),
+    ),
+    (
         "The CPU",
         (
             ("info", "Show CPU type and firmware."),
@@ -38,7 +46,7 @@ command = VerbGroup(
     help="Talk to S7-200 PLCs over PPI: telegrams, values, a simulated station.",
     sections=SECTIONS,
     package="plcgen.cli.ppi",
-    modules={"info": "cpu", "run": "cpu", "stop": "cpu"},
+    modules={"info": "cpu", "run": "cpu", "stop": "cpu", "backup": "memory", "compare": "memory", "restore": "memory"},
     examples=(
         "plcgen ppi read VB100 VD200:REAL M0.0 --port /dev/ttyUSB0",
         "plcgen ppi monitor VW100 --port socket://192.168.1.50:4000",
