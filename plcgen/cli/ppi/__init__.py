@@ -37,6 +37,10 @@ SECTIONS: Sections = (
             ("stop", "Put the CPU into STOP (with --yes-stop)."),
         ),
     ),
+    (
+        "For other programs",
+        (("gateway", "Let S7 clients reach an S7-200 over TCP (ISO-on-TCP)."),),
+    ),
     ("Simulate", (("serve", "Simulate an S7-200 on a pseudo terminal, serial port or TCP port."),)),
 )
 
