@@ -67,13 +67,14 @@ class Gateway:
     def _turn(self, patience: float) -> None:
         """Take what has arrived, then serve one request of each connection that can take its answer."""
         pending = [line for line, guest in self._guests.items() if guest.waiting]
-        quiet = [line for line, guest in self._guests.items() if not guest.waiting]
-        readable, writable, _ = select.select([self._server, *quiet], pending, [], patience)
-        for line in readable:
-            if isinstance(line, TcpServer):
+        sources: list[TcpServer | TcpLine] = [self._server]
+        sources += [line for line, guest in self._guests.items() if not guest.waiting]
+        readable, writable, _ = select.select(sources, pending, [], patience)
+        for source in readable:
+            if isinstance(source, TcpServer):
                 self._welcome()
             else:
-                self._hear(line)
+                self._hear(source)
         for line in writable:
             self._serve(line)
         now = self._now()

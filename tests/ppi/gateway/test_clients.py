@@ -158,14 +158,16 @@ def test_connections_that_behave_badly_are_ended(sent):
 
 def test_connections_are_bounded():
     """With room for two, the third ends the one that was silent longest."""
-    with Served(most=2) as served:
-        first, second, third = (served.raw(connect_request(b"\x01\x00", b"\x03\x01")) for _ in range(3))
-        with first, second, third:
-            assert answer(second, 22)
-            assert answer(third, 22)
-            assert len(answer(first, 100)) <= 22
-            second.sendall(SETUP)
-            assert answer(second, 27)
+    hello = connect_request(b"\x01\x00", b"\x03\x01")
+    with Served(most=2) as served, served.raw(hello) as first:
+        assert len(answer(first, 22)) == 22
+        with served.raw(hello) as second:
+            assert len(answer(second, 22)) == 22
+            with served.raw(hello) as third:
+                assert len(answer(third, 22)) == 22
+                assert answer(first, 1) == b""
+                second.sendall(SETUP)
+                assert len(answer(second, 27)) == 27
 
 
 def test_silent_connections_are_ended():
