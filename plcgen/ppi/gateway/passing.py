@@ -16,7 +16,7 @@ from plcgen.ppi.client.places import Place
 from plcgen.ppi.wire.address import address_text, parse_item
 from plcgen.ppi.wire.areas import ELEMENT_SIZES, JOB_HEADER, OCTETS, PDU_LIMIT, Area, ReturnCode, Rosctr
 from plcgen.ppi.wire.codes import return_code
-from plcgen.ppi.wire.errors import ANSWERABLE, TOLERABLE, PpiError
+from plcgen.ppi.wire.errors import TOLERABLE, Kind, PpiError
 from plcgen.ppi.wire.model import (
     ErrorReply,
     Item,
@@ -35,6 +35,12 @@ from plcgen.ppi.wire.pdu import PROTOCOL, encode_pdu, examine_pdu
 NOT_SUPPORTED, LENGTH_ERROR, BUSY = 0x8104, 0x8500, 0x8404
 PAUSE = 2.0
 """Seconds for which a line that cannot be opened is not tried again; clients hear of it at once."""
+
+_JUDGED_BY_ITEM = TOLERABLE | {
+    Kind.RESERVED, Kind.TRANSPORT_SIZE, Kind.COUNT, Kind.DATA_BLOCK, Kind.AREA, Kind.ADDRESS, Kind.VALUE_LENGTH,
+    Kind.VALUE, Kind.SIZE_CODE, Kind.LIMIT, Kind.SERVICE,
+}  # fmt: skip
+"""The structure of the PDU is known all the same: what is wrong is answered by item, or as a whole later on."""
 
 _AREAS = frozenset(Area)
 _PLAIN = frozenset(OCTETS) - frozenset(ELEMENT_SIZES.values())
@@ -88,7 +94,7 @@ class Passing:
             return None
         reference = data[4] << 8 | data[5]
         pdu, found = examine_pdu(data)
-        if any(violation.kind not in ANSWERABLE | TOLERABLE for violation in found):
+        if any(violation.kind not in _JUDGED_BY_ITEM for violation in found):
             return encode_pdu(_refusal(reference, LENGTH_ERROR))
         if isinstance(pdu, SetupRequest):
             return encode_pdu(SetupReply(reference, max(60, min(pdu.pdu_size, PDU_LIMIT)), 1, 1))
