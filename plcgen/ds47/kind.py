@@ -66,6 +66,8 @@ class StepItem:
     wanted: Value = 0
 
 
+Items = tuple[ReadItem | WriteItem, ...]
+"""What a job reads and writes, in the order in which it travels."""
 MESSAGE_GROUP = 8
 """Messages of a fault case, and alarms that are present."""
 
@@ -74,9 +76,11 @@ MESSAGE_GROUP = 8
 class Messages:
     """A buffer of messages: its accesses are the counter, for each group of eight every column, the counter again.
 
+    Without a counter they are the columns, and the codes of each group again.
+
     ``columns`` are those of the buffer's parameters in the order in which they are read; ``latest_last`` says of each
     group whether the drive has the latest message at its end, as all groups of the fault buffer and the alarms that are
-    present; ``tries`` how often all of it is read until the counter has not changed.
+    present; ``tries`` how often all of it is read until nothing has changed.
     """
 
     columns: tuple[str, ...]
@@ -133,6 +137,7 @@ class JobKind:
     ``fixed``: the parameters are the kind's own, which the device must have, ``types`` what a spec that defines them
     itself would say of each; ``bits``: an item may be a bit of a word;
     ``read_back``: a job may have ``verify: readback`` and ``on_error``; ``sets_clock`` says what it does;
+    ``on`` makes of the accesses those that a drive takes, of which it asks whether it is known to have a parameter;
     ``unfit`` says what is wrong with the first access, whose parameter is this one, on a device with these parameters.
     ``runs_on`` are parameters of it that are not what was written when they are read, and why; ``instead`` says of a
     parameter that a drive object does not have which other one may do, and what that does.
@@ -149,7 +154,7 @@ class JobKind:
     shape: Any
     description: str
     example: str
-    items: Callable[[Any], tuple[ReadItem | WriteItem, ...]] = tuple
+    items: Callable[[Any], Items] = tuple
     short: Callable[[dict[str, Any]], dict[str, Any]] | None = None
     poll: Callable[[Any], Poll] | None = None
     messages: Callable[[Any], Messages] | None = None
@@ -161,6 +166,7 @@ class JobKind:
     bits: bool = False
     read_back: bool = False
     unfit: Callable[[ReadItem | WriteItem, Parameter | None, Mapping[int, Parameter], str], Unfit | None] | None = None
+    on: Callable[[Items, Callable[[str], bool]], Items] | None = None
     sets_clock: bool = False
     place: int = 1000
     runs_on: Mapping[int, str] = field(default_factory=dict)

@@ -81,7 +81,7 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Recount:
-    """The counter of a buffer of messages is read once more, to see whether it has changed."""
+    """The counter of a buffer of messages, or the codes of a group, are read once more, to see whether they changed."""
 
 
 Role: TypeAlias = Read | Write | Bit | Compare | Verify | Remember | Mask | Running | Column | Recount | Poll | Wait
@@ -172,7 +172,7 @@ class Use:
     @property
     def divisible(self) -> bool:
         """Whether the access may be spread over several telegrams."""
-        return self.count > 1 and not self.format.is_string and not isinstance(self.role, Column)
+        return self.count > 1 and not self.format.is_string and not isinstance(self.role, Column | Recount)
 
     @property
     def label(self) -> str:

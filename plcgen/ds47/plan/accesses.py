@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from plcgen.base.diagnostics import Diagnostic, Report
-from plcgen.ds47.kind import JobKind, Messages, ReadItem, WriteItem
+from plcgen.ds47.kind import Items, JobKind, Messages, ReadItem, WriteItem
 from plcgen.ds47.plan.access import Column, Compare, Read, Recount, Role, Use, Write
 from plcgen.ds47.plan.bits import BitResolver, has_bits, in_front
 from plcgen.ds47.plan.readback import read_back, transaction
@@ -18,7 +18,6 @@ from plcgen.ds47.registry import kinds
 from plcgen.ds47.schema import DriveSections, ErrorSettings, JobEntry
 from plcgen.project.spec import LoadedSpec, SpecPath
 
-Items = tuple[ReadItem | WriteItem, ...]
 _LARGEST = 4
 """Bytes of a value that a list of deviations has room for."""
 
@@ -75,6 +74,8 @@ class Accesses:
         if place is None:
             return ()
         items = self.loaded.sections(DriveSections).items(self.job, kind)
+        if kind.on is not None:
+            items = kind.on(items, self._has)
         if not items:
             message = f'job "{self.path[-1]}" names no parameter'
             self.report.add(Diagnostic("PG218", message, self.loaded.span((*self.path, kind.key))))
@@ -144,6 +145,10 @@ class Accesses:
         self.report.add(Diagnostic("PG249", message, place, help="read it in another job"))
         return False
 
+    def _has(self, name: str) -> bool:
+        """Whether the drive object is known to have a parameter."""
+        return self.resolver.confirmed(number_of(name) or 0) is not None
+
     def _fits(self, kind: JobKind, item: ReadItem | WriteItem, path: SpecPath) -> bool:
         """Whether the parameter of a kind does what the kind is for; PG243 if not: no other is taken in its place."""
         if kind.unfit is None:
@@ -166,7 +171,7 @@ class Accesses:
         that reads something else than it says is worse than none.
         """
         wanted = dict.fromkeys(item.parameter.partition("[")[0] for item in items)
-        missing = [name for name in wanted if self.resolver.confirmed(number_of(name) or 0) is None]
+        missing = [name for name in wanted if not self._has(name)]
         if self.resolver.lacks(missing, path):
             return False
         if not missing:
@@ -175,7 +180,7 @@ class Accesses:
         message = f"{names} of {self.resolver.device.key}: nobody has looked up whether the device has {them}"
         definitions = ", ".join(f"{name}: {{type: {kind.types.get(name, '..')}}}" for name in missing)
         help_ = f"look {them} up in the list manual and define {them} in the drive: parameters: {{{definitions}}}"
-        if kind.messages is not None and missing != [items[0].parameter]:  # the first one counts changes
+        if kind.messages is not None:
             help_ += "; or leave its column out"
         self.report.add(Diagnostic("PG248", message, self.loaded.span(path), help=help_))
         return False
@@ -189,10 +194,12 @@ def _of_record(kind: JobKind, use: Use) -> Role:
 
 
 def _columns(uses: tuple[Use, ...], settings: Messages) -> Iterator[Use]:
-    """The accesses to a buffer of messages: the counter, columns of groups, the counter again."""
-    first, *middle, last = uses
-    yield first
-    for number, use in enumerate(middle):
+    """The accesses to a buffer of messages: the counter if there is one, columns of groups, what is read again."""
+    ahead = 1 if uses[0].first is None else 0  # a counter has no index
+    for number, use in enumerate(uses, -ahead):
         group, column = divmod(number, len(settings.columns))
-        yield replace(use, role=Column(settings.columns[column], group))
-    yield replace(last, role=Recount())
+        if number < 0:
+            yield use
+        else:
+            more = group < len(settings.latest_last)
+            yield replace(use, role=Column(settings.columns[column], group) if more else Recount())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from plcgen.ds47.kind import ReadItem, WriteItem
+from plcgen.ds47.kind import Items, ReadItem, WriteItem
 from plcgen.ds47.plan.access import Bit, Mask, Use, Write
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.ds47.references import split_bit
@@ -13,7 +13,6 @@ from plcgen.ds47.wire.formats import FormatKind, integer_range
 from plcgen.project.spec import SpecPath
 from plcgen.s7.types.names import shorten
 
-Items = tuple[ReadItem | WriteItem, ...]
 _BIT = formats.by_name("Boolean")
 _LONGEST = 4
 """Bytes of a word, at most."""

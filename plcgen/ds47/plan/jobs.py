@@ -326,6 +326,10 @@ def _packed(
         limits = device.record_limit, device.max_parameters, device.max_elements
         found = [pack.pack(group, *limits, write=group[0].writes) for group in _directions(uses)]
         packed = None if None in found else [parts for telegrams in found for parts in telegrams or ()]
+    if packed and sum(parts[0].use.as_(Recount) is not None for parts in packed) > 1:
+        message = f"the codes that are read again need more than one telegram of {device.record_limit} bytes"
+        report.add(Diagnostic("PG307", message, loaded.span(uses[0].path), help="read fewer groups: history"))
+        return None
     if packed and len(packed) <= pack.MAX_TELEGRAMS:
         return None if divided(packed, loaded, report) else packed
     if packed is not None:

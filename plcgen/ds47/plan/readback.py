@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from plcgen.ds47.kind import ReadItem, WriteItem
+from plcgen.ds47.kind import Items, ReadItem
 from plcgen.ds47.plan.access import Remember, Running, Use, Verify
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.ds47.schema import ErrorSettings
@@ -15,8 +15,6 @@ from plcgen.s7.types.names import shorten
 
 STATE = 899
 """Status word of the sequence control: its bits 2 and 11 say that the drive runs."""
-
-Items = tuple[ReadItem | WriteItem, ...]
 
 
 def read_back(uses: tuple[Use, ...], items: Items, resolver: UseResolver) -> Iterator[Use]:

@@ -54,6 +54,11 @@ def columns(job: DriveJob) -> list[tuple[str, int]]:
     return [(COLUMNS[name][0], COLUMNS[name][which]) for name in job.messages.settings.columns]  # type: ignore[misc]
 
 
+def counted(job: DriveJob) -> bool:
+    """Whether the job reads what counts the changes; else it reads the codes twice."""
+    return any(use.parameter.pnu == COUNTERS[job.kind] for use in job.uses)
+
+
 def groups(job: DriveJob) -> int:
     """The present, and what there is of the history."""
     return len(job.messages.settings.latest_last) if job.messages is not None else 0
@@ -94,7 +99,7 @@ def answered(job: DriveJob, answers: Sequence[bytes], given: Mapping[int, bytes]
     if job.deviations is not None:
         return deviation_lists.deviation_list(job, given, came(job, answers))
     found: dict[int, tuple[Format, list[Value]]] = {}
-    for telegram, answer in zip(job.telegrams, answers, strict=True):
+    for telegram, answer in zip(job.telegrams[:-1], answers, strict=False):  # the last one only asks for changes
         at = 4
         for part in telegram.parts:
             at += 2

@@ -220,6 +220,12 @@ def aligned_results(job: DriveJob) -> bool:
     return sum(len(telegram.parts) for telegram in job.telegrams) == len(job.uses)
 
 
+def _asked_first(job: DriveJob, telegram: DriveTelegram) -> bool:
+    """Whether the second telegram asks for nothing but what the first one asks for first."""
+    first, *_ = job.telegrams[0].parts
+    return telegram.number == 2 and [part.use.label for part in telegram.parts] == [first.use.label]
+
+
 def _telegram(
     plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, parts: Sequence[BlockParts], *, aligned: bool
 ) -> dict[str, Any]:
@@ -255,7 +261,7 @@ def _telegram(
         # a question that follows the one in which it was the first expects what is expected already
         "copies": copies(plan, job, telegram, aligned=aligned, response=True) if not job.whole else [],
         "expects": []
-        if telegram.writes or (closes and telegram.number == 2) or telegram is _asked_before(job)
+        if telegram.writes or (closes and _asked_first(job, telegram)) or telegram is _asked_before(job)
         else blocks,
     }
 

@@ -63,7 +63,7 @@ def generate(tmp_path: Path) -> Generate:
     def run(sections: str, where: str) -> Generated:
         family, toolchain, key = TARGETS[where]
         spec = tmp_path / "job.yaml"
-        head = f"plc: {{name: Plant, sources: per_block, family: {family}, toolchain: {toolchain}}}\n"
+        head = f"plc: {{name: Plant, family: {family}, toolchain: {toolchain}}}\n"
         spec.write_text(head + sections.replace("ID:", f"{key}:"), encoding="utf-8")
         result = api.generate(spec, tmp_path / "out")
         assert result.ok, result.diagnostics

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from plcgen.base.files.validation import StrictModel, problem
-from plcgen.ds47.kind import MESSAGE_GROUP, JobKind, Messages, ReadItem, short_form
+from plcgen.ds47.kind import MESSAGE_GROUP, Items, JobKind, Messages, ReadItem, short_form
 from plcgen.s7.types.names import camel_case
 
 FaultColumn = Literal[
@@ -92,6 +92,18 @@ def _message_items(counter: int, numbers: Mapping[str, int], settings: Any) -> t
     return tuple(ReadItem.model_validate({"parameter": text, "as": name}) for text, name in found)
 
 
+def _on_a_drive(items: Items, has: Callable[[str], bool]) -> Items:
+    """All of them, if it is known to have the counter; else the columns, and the codes again.
+
+    Siemens' LAcycCom reads messages of G120 and V90 without a counter.
+    """
+    counter, *columns, _ = items
+    if has(counter.parameter):
+        return items
+    codes = (one for one in columns if (one.as_ or "").startswith("code"))
+    return *columns, *(one.model_copy(update={"as_": f"{one.as_}Again"}) for one in codes)
+
+
 def _messages(settings: Any, *, history: bool) -> Messages:
     """``history``: whether messages that have gone are turned round like the others."""
     return Messages(settings.columns, (True, *(history,) * settings.history), settings.tries)
@@ -113,6 +125,7 @@ def _buffer_kind(key: str, what: str, shape: Any, counter: int, numbers: Mapping
         short=short_form(shape, WHOLE),
         messages=partial(_messages, history=key == "faults"),
         fixed=True,
+        on=_on_a_drive,
         types={f"r{counter}": "Unsigned16", **{f"r{number}": COLUMN for number in numbers.values()}},
         title=partial(_title, key),
     )

@@ -61,10 +61,12 @@ def messages_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
     assert found is not None  # noqa: S101 - of such jobs only
     views = {part.use.position: _view_of(telegram, part) for telegram in job.telegrams for part in telegram.parts}
     first = HEADER_SIZE + BLOCK_HEADER
+    counted = job.uses[0].as_(Column) is None
     return {
         "member": found.member,
         "count": found.count,
-        "bytes": range(first, first + job.uses[0].format.size),
+        "bytes": range(first, first + job.uses[0].format.size) if counted else [],
+        "codes": [] if counted else list(_codes(job)),
         "last": len(job.telegrams) * found.settings.tries,
         "groups": [
             {
@@ -84,6 +86,27 @@ def messages_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
             )
         ],
     }
+
+
+def _codes(job: DriveJob) -> Iterator[dict[str, Any]]:
+    """Where the codes of each group lie in the last answer, and where in the answer that is kept."""
+    kept = {
+        part.use.place: (telegram, _offset(telegram, part))
+        for telegram in job.telegrams[:-1]
+        for part in telegram.parts
+    }
+    for part in job.telegrams[-1].parts:
+        telegram, offset = kept[part.use.place]
+        yield {
+            "again": _offset(job.telegrams[-1], part),
+            "kept": f"statResponse{job.suffix(telegram)}",
+            "offset": offset,
+            "last": part.size - 1,
+        }
+
+
+def _offset(telegram: DriveTelegram, part: Part) -> int:
+    return next(field.offset for field in telegram.response.fields if field.role == "value" and field.part is part)
 
 
 def _column(plan: DrivePlan, use: Use, column: Column, views: dict[int, str]) -> dict[str, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcgen.ds47.plan.nouns import DriveJob
-from plcgen.ds47.proof.message_lists import COUNTERS, GROUP, Messages, columns
+from plcgen.ds47.proof.message_lists import COUNTERS, GROUP, Messages, columns, counted, groups
 from plcgen.ds47.proof.scenario import DriveScenario, Event, KindScenarios
 from plcgen.ds47.proof.words import WORDS
 from plcgen.ds47.sim.drive import Drive
@@ -33,9 +33,12 @@ def _changes(job: DriveJob) -> Iterator[DriveScenario]:
             events = {telegrams * before + at: comes(job) for before in range(tried)}
             where = f"before telegram {at} of the first {tried} tries"
             yield _run(job, f"a message comes {where}", events, tried)
-    for step in (0x100, 0x10000 - 1, 0x10000 - 0x100):
+    for step in (0x100, 0x10000 - 1, 0x10000 - 0x100) if counted(job) else ():
         name = f"a message comes, and {step} is added to the counter"
         yield _run(job, name, {telegrams: comes(job, step)}, 1)
+    for place in () if counted(job) else (GROUP * group + at for group in range(groups(job)) for at in (0, GROUP - 1)):
+        for bit in (0, 15):
+            yield _run(job, f"bit {bit} of code {place} changes", {telegrams: _turns(job, place, bit)}, 1)
 
 
 def _run(job: DriveJob, name: str, events: dict[int, Event], tried: int) -> DriveScenario:
@@ -79,7 +82,7 @@ def _second_try(job: DriveJob) -> Iterator[DriveScenario]:
 
 
 def comes(job: DriveJob, step: int = 1) -> Event:
-    """A message more, or another latest one where the buffer is full; the counter has another value."""
+    """A message more, or another latest one where the buffer is full; the counter has another value, if it is read."""
     numbers, counter = dict(columns(job)), COUNTERS[job.kind]
 
     def event(drive: Drive) -> None:
@@ -89,8 +92,20 @@ def comes(job: DriveJob, step: int = 1) -> Event:
         for pnu in numbers.values():
             parameter = parameters[pnu]
             parameter.values[place] = 1 if parameter.values[place] != 1 else 2
-        changes = parameters[counter].values
-        changes[0] = (int(changes[0]) + step) % 0x10000
+        if counted(job):
+            changes = parameters[counter].values
+            changes[0] = (int(changes[0]) + step) % 0x10000
+
+    return event
+
+
+def _turns(job: DriveJob, place: int, bit: int) -> Event:
+    """One bit of one code is another one."""
+    number = dict(columns(job))["code"]
+
+    def event(drive: Drive) -> None:
+        codes = drive.objects[job.drive.drive_object].parameters[number].values
+        codes[place] = int(codes[place]) ^ 1 << bit
 
     return event
 

@@ -123,12 +123,12 @@ def deviating_run(scene: Scene, back: int, access: StatedAccess, units: int, *, 
 
 
 def changing(scene: Scene, changes: int) -> StatedRun:
-    """The counter of the buffer changes so many times while it is read: it is read again, ``tries`` times in all."""
+    """What is read twice changes so many times meanwhile: all of it is read again, ``tries`` times in all."""
     job = scene.job
     reads = min(changes + 1, job.tries)
     good = changes < job.tries
     once = job.steps
-    counter = once[0].accesses[0]
+    twice = once[-1].accesses[0]
 
     def ends(run: StatedRun) -> None:
         course = run.course
@@ -144,13 +144,13 @@ def changing(scene: Scene, changes: int) -> StatedRun:
     course = run.course
     if course is not None:
         course.answers = lambda step, _question: {
-            (counter.number, counter.index): counter_value(step, len(once), changes, counter.type)
+            (twice.number, twice.index): counter_value(step, len(once), changes, twice.type)
         }
     return run
 
 
 def counter_value(step: int, steps: int, changes: int, type_: str) -> Number:
-    """What the counter stands at when a step is heard: in each of the first reads it goes on at the end."""
+    """What a counter or a code is when a step is heard: in each of the first reads it goes on at the end."""
     read, within = divmod(step, steps)
     value = 2 * read + (1 if within and read < changes else 0)
     return value + (1 << 15 if type_ == "Unsigned16" else 0)

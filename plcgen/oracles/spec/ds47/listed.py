@@ -37,6 +37,11 @@ class StatedLists:
             return agreed
         return {key: value for key, value in agreed.items() if key not in _ONLY_READ}
 
+    def name_it(self, number: int) -> bool:
+        """Whether all lists that are this device's own have the number."""
+        own = [one for one in self._asked if one.get("grade", "read") == "read"]
+        return not self._lent and bool(own) and all(any(self._rows(one, number)) for one in own)
+
     def _rows(self, asked: Mapping[str, Any], number: int) -> Iterator[dict[str, str]]:
         _, headings, *lines = self._lines[str(asked["list"])]
         for line in lines:

@@ -71,12 +71,21 @@ class StatedCatalogue:
                 known.update(_believed(facts or {}, inherited=step > 0), letter=_letter(str(key), facts or {}, known))
         self.asking = {number: str(facts.get("dangerous") or "") for number, facts in self.numbers.items()}
         self.harmless = {number for number, facts in self.numbers.items() if facts.get("harmless")}
+        self._defined = {_number(str(key)) for key in own}
         for key, facts in own.items():
             number = _number(str(key))
             known = self.numbers.setdefault(number, self._lists.facts(number))
             letter = _letter(str(key), facts or {}, known)
             known.update({name: value for name, value in (facts or {}).items() if value is not None}, letter=letter)
         self.names = {facts["name"]: number for number, facts in self.numbers.items() if facts.get("name")}
+
+    def has(self, number: int) -> bool:
+        """Whether somebody knows that the drive has it: the spec, the profile but from memory, or a list of its own."""
+        facts = self.numbers.get(number)
+        if facts is None or number in self._defined:
+            return facts is not None or self._lists.name_it(number)
+        grade = (facts.get("facts") or {}).get("type", facts.get("grade", "read"))
+        return bool(facts.get("type", "unknown") != "unknown" and grade != "recalled")
 
     def read(self, text: str) -> WrittenParameter:
         """A parameter as it is written in a spec."""

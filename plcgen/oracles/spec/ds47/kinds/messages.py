@@ -1,5 +1,8 @@
 """``faults`` and ``alarms``: counter, columns, counter; all of it again while the counter changes, ``tries`` at most.
 
+A drive of which nobody knows that it has the counter is asked for the codes twice instead: columns, codes; all of it
+again while the codes change.
+
 ``list`` has 8 places for what is present and 8 for each group of the history. The drive holds the faults of a case, and
 the alarms that are present, in the order in which they came; alarms that have gone latest first.
 """
@@ -15,7 +18,7 @@ from plcgen.oracles.spec.ds47.statement import StatedList, StatedStep
 
 GROUP, ALL, TRIES = 8, 7, 3
 COLUMNS = ("code", "value", "received")
-COUNTERS = MappingProxyType({"faults": "r944", "alarms": "r2121"})
+COUNTERS = MappingProxyType({"faults": 944, "alarms": 2121})
 NUMBERS: Mapping[str, Mapping[str, int]] = MappingProxyType(
     {
         "faults": {
@@ -70,11 +73,15 @@ def alarm_steps(job: JobReader) -> Iterator[StatedStep]:
 
 def _steps(job: JobReader, kind: str) -> Iterator[StatedStep]:
     asked = stated_list(kind, job.job[kind])
-    counter = job.reads(job.fixed(COUNTERS[kind]), output="")
-    last = GROUP * asked.groups - 1
-    columns = [job.fixed(f"r{NUMBERS[kind][column]}[0..{last}]") for column in asked.columns]
+    numbers, last = NUMBERS[kind], GROUP * asked.groups - 1
+    columns = {name: job.reads(job.fixed(f"r{numbers[name]}[0..{last}]"), output="") for name in asked.columns}
+    if not job.drive.catalogue.has(COUNTERS[kind]):
+        yield StatedStep("reads the columns", tuple(columns.values()), ordered=False)
+        yield StatedStep("reads the codes again", (columns["code"],))
+        return
+    counter = job.reads(job.fixed(f"r{COUNTERS[kind]}"), output="")
     yield StatedStep("reads the counter of changes", (counter,))
-    yield StatedStep("reads the columns", tuple(job.reads(item, output="") for item in columns), ordered=False)
+    yield StatedStep("reads the columns", tuple(columns.values()), ordered=False)
     yield StatedStep("reads the counter again", (counter,))
 
 
