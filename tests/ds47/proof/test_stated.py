@@ -18,7 +18,7 @@ from plcgen.s7.cpu.folder import FolderParts, read_parts
 from plcgen.s7.scl.dialect import Dialect
 
 SPEC = """\
-plc: {name: Stated, family: s7-1500, toolchain: tia-v19}
+plc: {name: Stated, family: s7-1500, toolchain: tia-v19, sources: per_block}
 units:
   cu1:
     device: sinamics-s120
@@ -115,7 +115,9 @@ def test_a_job_with_nothing_in_the_control_db_is_started_by_flags(tmp_path: Path
     drive = "drives: {axis: {device: sinamics-g120, hardware_id: 281}}"
     job = f"jobs: {{put: {{drive: axis, write: {{P1120: 7.0}}, trigger: {flags}}}}}"
     spec, out = tmp_path / "spec.yaml", tmp_path / "out"
-    spec.write_text(f"plc: {{name: Flags, family: s7-1500, toolchain: tia-v19}}\n{drive}\n{job}\n", "utf-8")
+    spec.write_text(
+        f"plc: {{name: Flags, family: s7-1500, toolchain: tia-v19, sources: per_block}}\n{drive}\n{job}\n", "utf-8"
+    )
     assert api.generate(spec, out).ok
     assert "Struct;" not in (out / "db" / "DriveJobs.db").read_text("utf-8-sig")
     assert [str(each) for each in api.verify(spec, out, faults="none").problems] == []
