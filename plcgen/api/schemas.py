@@ -60,7 +60,7 @@ def _lock() -> dict[str, Any]:
 
 def _faults() -> dict[str, Any]:
     from plcgen.ds47.recording.faults import DriveFaults
-    from plcgen.ppi.recording.faults import LineFaults
+    from plcgen.ppi.recording.recording import LineFaults
     from plcgen.project.editor import file_schema
 
     text = "Faults of drives or of a PPI line for simulate: a list, or the key faults of a mapping."

@@ -74,7 +74,8 @@ def load_symbols(path: Path) -> SymbolTable:
 def parse_symbols(text: str, name: str = "<symbols>") -> SymbolTable:
     """Read the text of a symbol table. Raises DiagnosticError with every problem, each at its line and column."""
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    separator = _separator(lines)
+    # what most lines contain; commas stand in comments too, so they come last
+    separator = max("\t;,", key=lambda mark: (sum(mark in line for line in lines), "\t;,"[::-1].index(mark)))
     rows = [(number, _cells(line, separator)) for number, line in enumerate(lines, 1) if line.strip()]
     report = Report()
     columns = _columns(rows)
@@ -112,11 +113,6 @@ class _Cell:
 
     text: str
     column: int
-
-
-def _separator(lines: list[str]) -> str:
-    """Return the separator that most lines contain; commas stand in comments too, so they come last."""
-    return max("\t;,", key=lambda mark: (sum(mark in line for line in lines), "\t;,"[::-1].index(mark)))
 
 
 def _cells(line: str, separator: str) -> list[_Cell]:

@@ -19,7 +19,7 @@ from plcgen.ppi.wire.areas import ITEM_LIMIT
 from plcgen.ppi.wire.description import FrameText
 from plcgen.ppi.wire.dissect import dissect, title
 from plcgen.ppi.wire.errors import TOLERABLE, Kind, Violation
-from plcgen.ppi.wire.model import Item, ItemWrite, Pdu, ReadReply, ReadRequest, VariableFrame, WriteReply, WriteRequest
+from plcgen.ppi.wire.model import Item, ItemWrite, ReadReply, ReadRequest, VariableFrame, WriteReply, WriteRequest
 from plcgen.ppi.wire.pack import mismatches
 from plcgen.ppi.wire.stream import FrameCountCheck
 from plcgen.ppi.wire.telegram import Examination, examine
@@ -115,11 +115,8 @@ def _telegram(piece: StreamPiece, context: _Context, *, tolerant: bool) -> Decod
         for f in dissect(data, problems, asked[:ITEM_LIMIT])
     )
     line = context.words.line(data, seen.frame, seen.pdu)
-    return DecodedFrame(piece.offset, data, _kind(data, seen.pdu), line, fields, problems, tolerated)
-
-
-def _kind(data: bytes, pdu: Pdu | None) -> str:
-    return title(data) if pdu is None else f"{title(data)}, reference {pdu.reference}"
+    kind = title(data) if seen.pdu is None else f"{title(data)}, reference {seen.pdu.reference}"
+    return DecodedFrame(piece.offset, data, kind, line, fields, problems, tolerated)
 
 
 def short_text(telegrams: Sequence[DecodedFrame], view: View) -> str:

@@ -54,7 +54,8 @@ class TrafficText:
             size = quantity(len(entry.data), "byte")
             if entry.note != "no frame":
                 return f"{size} of an unfinished frame"
-            return f"{size} without a frame{_flaw(entry.data)}"
+            wrong = examine_frame(entry.data)[1] if entry.data[0] in {SD1, SD2} else []
+            return f"{size} without a frame{f': {wrong[0].message}' if wrong else ''}"
         frame = entry.frame
         pdu = examine_pdu(frame.pdu)[0] if isinstance(frame, VariableFrame) else None
         return self._frames.line(entry.data, frame, pdu)
@@ -63,8 +64,3 @@ class TrafficText:
 def _fault(entry: Traffic) -> str:
     """Fault behind an answer; what is noted about other bytes is in their words."""
     return entry.note if entry.direction == "<" else ""
-
-
-def _flaw(data: bytes) -> str:
-    found = examine_frame(data)[1] if data[0] in {SD1, SD2} else []
-    return f": {found[0].message}" if found else ""

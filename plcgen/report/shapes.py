@@ -258,6 +258,8 @@ def _live() -> dict[str, Shape]:
 def _results() -> dict[str, Shape]:
     """Every kind of result."""
     station = {"station": NUMBER}
+    difference = record(address=TEXT, backup=hexadecimal(), now=hexadecimal())
+    backup = {**station, "cpu": TEXT, "time": TEXT, "memory": many(TEXT), "differences": many(difference)}
     row = {"telegram": NUMBER, "length": NUMBER, "hex": hexadecimal()}
     device = record(
         key=TEXT, title=TEXT, source=TEXT, drive_object=NUMBER, parameters=many(TEXT),
@@ -287,6 +289,8 @@ def _results() -> dict[str, Shape]:
         ),
         "layout": _headed("layout", LAYOUT),
         **_live(),
+        "ppi compare": _headed("ppi compare", FOUND, backup),
+        "ppi restore": _headed("ppi restore", FOUND, backup),
         "ppi info": _headed("ppi info", FOUND, {**station, "type": TEXT, "firmware": TEXT, "text": TEXT}),
         "ppi mode": _headed("ppi mode", FOUND, {**station, "mode": one_of("RUN", "STOP")}),
         "ppi monitor": _headed("ppi monitor", FOUND),

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -64,15 +66,44 @@ def line_options(verb: Callback) -> Callback:
 
 def open_client(given: dict[str, Any], symbols: SymbolTable | None = None) -> Client:
     """Open the line of ``line_options``. Raises LineError; UsageError if both stations are the same."""
+    return open_clients(given, [given["station"]], symbols)[given["station"]]
+
+
+def open_clients(
+    given: dict[str, Any], stations: Sequence[int], symbols: SymbolTable | None = None
+) -> dict[int, Client]:
+    """Open the line for several stations on it, see ``open_client``; whoever closes one of them closes the line."""
+    from plcgen.base.line.opening import open_line
     from plcgen.ppi.client import Client, Settings
 
-    station, source = given["station"], given["source"]
-    if station == source:
-        raise click.UsageError(f"--station and --source are both {station}")
-    settings = Settings(station=station, own=source, answer=given["timeout"], reference=given["reference"])
-    client = Client.open(given["port"], rate=given["baud"], settings=settings, symbols=symbols)
-    client.exchange.notice = console().say
-    return client
+    if given["source"] in stations:
+        raise click.UsageError(f"--station and --source are both {given['source']}")
+    line = open_line(given["port"], given["baud"])
+    clients = {}
+    for station in stations:
+        more = {"answer": given["timeout"], "reference": given["reference"]}
+        clients[station] = Client(line, Settings(station, given["source"], **more), symbols=symbols)
+        clients[station].exchange.notice = console().say
+    return clients
+
+
+@contextmanager
+def until_signal() -> Iterator[Callable[[], bool]]:
+    """Tell whether SIGINT or SIGTERM asked for the end; a second one ends at once."""
+    ended = False
+
+    def end(number: int, _frame: Any) -> None:
+        nonlocal ended
+        if ended:
+            raise KeyboardInterrupt
+        ended = bool(number)
+
+    before = {number: signal.signal(number, end) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield lambda: ended
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def station_answer(kind: str, text: str, /, **data: Any) -> Answer:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import signal
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +12,7 @@ import click
 from plcgen.base.diagnostics.counting import quantity
 from plcgen.cli.options import PATH, console, stream_option, verb
 from plcgen.cli.output import OK, Console
+from plcgen.cli.ppi.connection import until_signal
 from plcgen.cli.ppi.places import find_symbols, symbols_option
 
 if TYPE_CHECKING:
@@ -124,24 +124,12 @@ def _serve(bus: Bus, line: Line | TcpServer, show: _Show, idle: float) -> None:
     from plcgen.base.line.tcp import TcpServer
     from plcgen.ppi.sim.serve import serve_line, serve_tcp
 
-    ended = False
-
-    def end(number: int, _frame: Any) -> None:
-        nonlocal ended
-        if ended:
-            raise KeyboardInterrupt
-        ended = bool(number)
-
-    before = {number: signal.signal(number, end) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
+    with until_signal() as ended:
         show.opened(bus, line)
         if isinstance(line, TcpServer):
-            serve_tcp(bus, line, lambda: ended, tell=show.tell, idle=idle)
+            serve_tcp(bus, line, ended, tell=show.tell, idle=idle)
         else:
-            serve_line(bus, line, lambda: ended)
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+            serve_line(bus, line, ended)
 
 
 class _Show:

@@ -60,10 +60,10 @@ def reading_line(readings: Sequence[Reading]) -> str:
     )
 
 
-def _plain(value: Value | None) -> Any:
+def plain(value: Value | None) -> Any:
     """A value as JSON has it: what is no number there becomes a text."""
     if isinstance(value, tuple):
-        return [_plain(entry) for entry in value]
+        return [plain(entry) for entry in value]
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -74,7 +74,7 @@ def reading_data(reading: Reading) -> dict[str, Any]:
         "address": reading.place.address,
         "type": reading.place.type_name,
         "ok": reading.ok,
-        "value": _plain(reading.value),
+        "value": plain(reading.value),
         "hex": reading.data.hex().upper(),
         "return_code": f"{reading.code:02X}",
         "error": reading.error,
@@ -123,7 +123,7 @@ def written_answer(line: str, entries: Sequence[tuple[Place, ItemWrite]], writte
             "name": place.name,
             "address": place.address,
             "type": place.type_name,
-            "value": _plain(place.value(entry.data)),
+            "value": plain(place.value(entry.data)),
             "hex": entry.data.hex().upper(),
             "ok": result.ok,
             "return_code": f"{result.code:02X}",

@@ -160,7 +160,8 @@ def parse_item_value(item: Item, text: str, type_: str = "") -> tuple[bytes, str
     """
     kind = type_ or default_type(item)
     if kind in {"CHAR", "STRING"}:
-        return _text(item, _unquoted(text), kind), kind
+        quoted = len(text) > 1 and text[0] == text[-1] and text[0] in "'\""
+        return _text(item, text[1:-1] if quoted else text, kind), kind
     if not text.strip():
         raise ItemValueError(f"{address_text(item)} has no value")
     pieces = [piece.strip() for piece in text.split(",")]
@@ -172,10 +173,6 @@ def parse_item_value(item: Item, text: str, type_: str = "") -> tuple[bytes, str
         return pack_item(item, _bool(pieces[0]), kind), kind
     values = [_real(piece) if kind == "REAL" else _integer(piece) for piece in pieces]
     return pack_item(item, values, kind), kind
-
-
-def _unquoted(text: str) -> str:
-    return text[1:-1] if len(text) > 1 and text[0] == text[-1] and text[0] in "'\"" else text
 
 
 def _bool(text: str) -> bool:

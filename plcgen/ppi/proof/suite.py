@@ -8,12 +8,11 @@ from pathlib import Path
 from plcgen.base.diagnostics import Span
 from plcgen.base.diagnostics.counting import quantity, shortlist
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
-from plcgen.ppi.proof.calls import cpu_scenarios
+from plcgen.ppi.proof.calls import cpu_scenarios, pace_scenarios
 from plcgen.ppi.proof.conduct import MasterConduct
 from plcgen.ppi.proof.ledger import ledger
 from plcgen.ppi.proof.line_scenarios import in_the_pause, line_scenarios
 from plcgen.ppi.proof.module_scenarios import hangs, module_scenarios
-from plcgen.ppi.proof.pace_scenarios import pace_scenarios
 from plcgen.ppi.proof.reply_scenarios import ready, refusals, wrong_replies
 from plcgen.ppi.proof.rig import MasterRig
 from plcgen.ppi.proof.scenario import (

@@ -7,13 +7,15 @@ from copy import copy
 from functools import partial
 from pathlib import Path
 
+from plcgen.base.diagnostics import DiagnosticError, Report
 from plcgen.base.files.options import usage
 from plcgen.base.files.text import read_text
+from plcgen.base.files.validation import FileShape, StrictModel, load_document
 from plcgen.base.telegrams.decoded import DecodedTelegram
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiPlan, PpiValue
-from plcgen.ppi.recording.faults import read_faults
 from plcgen.ppi.recording.jobs import MasterWatch, PpiJobWatch
-from plcgen.ppi.sim import Bus, FaultKind, Station, Traffic
+from plcgen.ppi.sim import Bus, Fault, FaultKind, Station, Traffic
+from plcgen.ppi.sim.fault_text import FaultKeys, parse_fault
 from plcgen.ppi.sim.load import load_bus
 from plcgen.ppi.texts import StreamPiece, decode_pieces
 from plcgen.ppi.traffic import TrafficText
@@ -23,9 +25,34 @@ from plcgen.ppi.words import DRAIN_MS
 from plcgen.report.trace.face import Observed, PartnerOptions
 from plcgen.report.trace.model import CallShape, Contact, Direction
 from plcgen.report.trace.recorder import RecordingCpu
+from plcgen.report.trace.settings import FAULTS_SHAPE, with_faults_key
 from plcgen.s7.cpu.system.bus import Periphery
 from plcgen.s7.cpu.system.port import UNSET, Port, PortSettings
 from plcgen.s7.types.values import pack_value
+
+
+class LineFaults(StrictModel):
+    """A file of faults."""
+
+    faults: tuple[FaultKeys, ...]
+
+
+_FILE = FileShape(LineFaults, "the file", FAULTS_SHAPE, prepare=with_faults_key)
+
+
+def read_faults(texts: Sequence[str], file: Path | None) -> list[Fault]:
+    """Faults of the command line and of a YAML file. Raises DiagnosticError with every problem."""
+    report = Report()
+    faults: list[Fault] = []
+    for text in texts:
+        with report.catch():
+            faults.append(parse_fault(text))
+    if file is not None:
+        with report.catch():
+            faults += [keys.fault() for keys in load_document(read_text(file), str(file), _FILE).model.faults]
+    if report.diagnostics:
+        raise DiagnosticError(report.diagnostics)
+    return faults
 
 
 class PpiRecording:

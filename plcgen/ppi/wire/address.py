@@ -91,7 +91,8 @@ def _item(text: str, area: Area, width: str, number: int, bit: str | None, count
     if area is Area.SYS and not width:
         width = "B"
     if width in {"", "X"}:
-        raise PpiAddressError("PG711", f'"{text}": {_width_missing(area)}', _ways(area, number))
+        what = f"{area.title} are words" if area in {Area.AI, Area.AQ} else "the width is missing"
+        raise PpiAddressError("PG711", f'"{text}": {what}', _ways(area, number))
     if area in {Area.AI, Area.AQ}:
         _analog(text, area, width, number)
     _within(text, number * 8)
@@ -122,10 +123,6 @@ def _analog(text: str, area: Area, width: str, number: int) -> None:
 def _within(text: str, address: int) -> None:
     if address > HIGHEST:
         raise PpiAddressError("PG713", f'"{text}": an item address has 24 bits', "the highest byte address is 2097151")
-
-
-def _width_missing(area: Area) -> str:
-    return f"{area.title} are words" if area in {Area.AI, Area.AQ} else "the width is missing"
 
 
 def _ways(area: Area, number: int) -> str:

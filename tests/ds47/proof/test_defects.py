@@ -6,7 +6,7 @@ import pytest
 
 from plcgen.ds47.proof.conduct import JobConduct
 from plcgen.ds47.proof.contents import held
-from plcgen.ds47.proof.instances import Trio
+from plcgen.ds47.proof.instances import ThreeInstances
 from plcgen.ds47.proof.plant import Plant
 from plcgen.ds47.proof.rig import JobRig
 from plcgen.ds47.proof.scenario import DriveScenario
@@ -45,7 +45,7 @@ def test_two_instances_with_different_drives_keep_their_values_apart(shape: str,
     number = [job.shape for job in made.plan.shapes].index(shape) + 1
     cpu = Cpu(made.program, Periphery())
     cpu.restart("cold")
-    trio = Trio(made.plan, made.program, cpu, made.plan.shapes[number - 1], number)
+    trio = ThreeInstances(made.plan, made.program, cpu, made.plan.shapes[number - 1], number)
     assert list(trio.run(0, 0))
     seen = set()
     for one in trio.all:

@@ -14,7 +14,6 @@ from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.ds47.sim.faults import Fault, FaultKind
 from plcgen.proof.rig import Members
 from tests.ds47.proof.playing import ended, job_of, sent
-from tests.projects import per_block
 
 SPEC = """
 drives:
@@ -203,7 +202,7 @@ def test_a_record_is_compared(plant: Plant) -> None:
     assert run(plant, "check", 1) == 0
 
 
-HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-g120, hardware_id: 270}}\n"
+HEAD = "plc: {name: a, sources: per_block, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-g120, hardware_id: 270}}\n"
 SHORT = f"""{HEAD}recipes: {{r: {{parameters: [P1120], records: {{one: {{P1120: 4.0}}, two: {{}}}}, retain: RETAIN}}}}
 jobs: {{j: {{drive: d, write_recipe: r}}, k: {{drive: d, read_recipe: r}}}}
 """
@@ -213,7 +212,7 @@ jobs: {{j: {{drive: d, write_recipe: r}}, k: {{drive: d, read_recipe: r}}}}
 def test_what_keeps_its_values(retain: str, tmp_path: Path) -> None:
     """The data block of the recipe is retentive, if it is not told otherwise; verify notices the other."""
     path = tmp_path / "job.yaml"
-    path.write_text(per_block(SHORT.replace("RETAIN", retain)), "utf-8")
+    path.write_text(SHORT.replace("RETAIN", retain), "utf-8")
     assert api.generate(path, tmp_path / "out").ok
     source, document = tmp_path / "out" / "db" / "RecipeR.db", tmp_path / "out" / "xml" / "RecipeR.xml"
     text = source.read_text("utf-8-sig")

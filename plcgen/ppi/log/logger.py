@@ -1,0 +1,119 @@
+"""Cycle after cycle: read, decide whether that is worth a row, hand it to the keeper; gaps are marked."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from plcgen.base.diagnostics.counting import quantity
+from plcgen.base.display.cells import clean
+from plcgen.ppi.client.values import Value
+from plcgen.ppi.log.keeping import Keeper
+from plcgen.ppi.log.rows import Channel, Row, State
+from plcgen.ppi.log.stations import Answers, Stations
+
+_NAP = 0.2
+"""Longest sleep in seconds: a request to end is heard after it."""
+
+
+class Clock:
+    """The time of a logger: that of the day for the rows, one that only runs forwards for the cycles, and waiting."""
+
+    def today(self) -> float:
+        """Seconds since 1970."""
+        return time.time()
+
+    def now(self) -> float:
+        """Seconds of a clock that nobody sets."""
+        return time.monotonic()
+
+    def sleep(self, seconds: float) -> None:
+        """Wait."""
+        time.sleep(seconds)
+
+
+@dataclass(frozen=True, slots=True)
+class Pace:
+    """Seconds from one cycle to the next; rows of changes only, at the latest ``heartbeat`` seconds after another."""
+
+    interval: float = 1.0
+    changes: bool = False
+    heartbeat: float = 60.0
+
+
+class Logger:
+    """Logs until ``ended()`` is true. ``tell`` gets what people at the terminal want to know."""
+
+    def __init__(
+        self,
+        channels: Sequence[Channel],
+        stations: Stations,
+        keeper: Keeper,
+        pace: Pace,
+        clock: Clock,
+        tell: Callable[[str], None],
+    ) -> None:
+        self._channels, self._stations, self._keeper = channels, stations, keeper
+        self._pace, self._clock, self._tell = pace, clock, tell
+        self._since: dict[str, float] = {}
+        self._last: Row | None = None
+        self._before: float | None = None
+
+    def run(self, ended: Callable[[], bool], count: int | None = None) -> bool:
+        """Log until told to end or for ``count`` cycles; whether the last cycle was good and every row is on disk."""
+        self._keeper.add(Row(self._clock.today(), State.START, note=self._keeper.opening))
+        due, number = self._clock.now(), 0
+        while not ended() and (count is None or number < count):
+            self.cycle()
+            number += 1
+            due = max(due + self._pace.interval, self._clock.now())
+            while not ended() and number != count and (left := due - self._clock.now()) > 0:
+                self._clock.sleep(min(left, _NAP))
+        self._stations.close()
+        self._keeper.add(Row(self._clock.today(), State.STOP))
+        return self._keeper.close() and not self._since
+
+    def cycle(self) -> None:
+        """Read once and keep what is worth it; rows that found no place before are tried again."""
+        now = self._clock.today()
+        answers = self._stations.read()
+        row = self._row(now, answers)
+        if self._worth(row):
+            self._last = row
+            self._keeper.add(row)
+        else:
+            self._keeper.flush()
+
+    def _row(self, now: float, answers: Answers) -> Row:
+        before, self._before = self._before, now
+        gap = "" if before is None else self._gap(now - before)
+        for key, words in answers.troubles.items():
+            if key not in self._since:
+                self._since[key] = now
+                self._tell(f"bad: {words}")
+        for key in self._since.keys() - answers.troubles.keys():
+            self._tell(f"good again: {key}, bad for {now - self._since.pop(key):.0f} s")
+        note = clean("; ".join(filter(None, (gap, *answers.troubles.values()))))
+        if not answers.troubles:
+            return Row(now, State.GOOD, answers.values, None, note)
+        return Row(now, State.BAD, answers.values, min(self._since.values()), note)
+
+    def _gap(self, passed: float) -> str:
+        """What is to be marked between two cycles: missed ones, or a clock that was set back."""
+        if passed < 0:
+            return f"the clock was set back by {-passed:.1f} s"
+        missed = round(passed / self._pace.interval) - 1 if self._pace.interval else 0
+        return f"{quantity(missed, 'cycle')} missed" if missed > 0 else ""
+
+    def _worth(self, row: Row) -> bool:
+        last, pace = self._last, self._pace
+        if not pace.changes or last is None or not 0 <= row.time - last.time < pace.heartbeat:
+            return True
+        if (row.state, row.since, row.note) != (last.state, last.since, last.note):
+            return True
+        return any(map(_differs, self._channels, last.values, row.values))
+
+
+def _differs(channel: Channel, old: Value | None, new: Value | None) -> bool:
+    return channel.differs(old, new)
