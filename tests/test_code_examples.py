@@ -46,8 +46,8 @@ FILES = {
 """What is in the folder; ``out`` is generated from it."""
 BEFORE = {
     "PG110": "mkdir jobs; cp press4.yaml jobs",
-    "PG501 bad": "mkdir db; cp Motor.db db/DriveJobs.scl",
-    "PG502": "sed -i 1s/^/x/ out/scl/ReadSpeed.scl",
+    "PG501 bad": "cp Motor.db Press_4.scl",
+    "PG502": "sed -i 1s/^/x/ out/Press_4.scl",
     "PG504 bad": "sed -i s/r0021/r0025/ press4.yaml",
     "PG505 bad": "mkdir out/.plcgen-stage-left",
     "PG506": "rm -r out; mkdir out elsewhere",

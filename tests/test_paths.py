@@ -112,7 +112,7 @@ def symbols(folder: Path, name: str) -> list[str]:
 
 
 def lock(folder: Path, name: str) -> list[str]:
-    (folder / "l.yaml").write_text(f"format: 1\nsources: [{json.dumps(name)}]\nblocks: {{}}\n")
+    (folder / "l.yaml").write_text(f"format: 2\nsources: [{json.dumps(name)}]\nblocks: []\n")
     return [f"{d.code} {d.message}" for d in api.check_lock(lock=folder / "l.yaml").diagnostics]
 
 

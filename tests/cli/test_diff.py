@@ -131,12 +131,12 @@ def test_a_report_beside_the_sources_is_written_again(plcgen, versions, tmp_path
 
 
 def test_annotations(plcgen, versions):
-    """For a pull request: what fails the run is an error at its line, other breaking changes a warning."""
+    """For a pull request, the worst first: what fails the run is an error at its line, else a warning."""
     changed = versions("  b :", "  x : Word;\n  b :")
     expected = [
+        ("{}", 'line=5,col=3,endColumn=4,title=member-moved::breaking: DB "B": b: moved by +2 bytes: 2.0 -> 4.0'),
         ("notice", 'line=1,col=1,endColumn=11,title=block-grown::compatible: DB "B": 4 -> 6 bytes'),
         ("notice", 'line=4,col=3,endColumn=4,title=member-added::compatible: DB "B": added: x : WORD at 2.0'),
-        ("{}", 'line=5,col=3,endColumn=4,title=member-moved::breaking: DB "B": b: moved by +2 bytes: 2.0 -> 4.0'),
     ]
     for fail_on, word, code in (("breaking", "error", 1), ("never", "warning", 0)):
         result = plcgen("diff", *changed, "-f", "github", "--fail-on", fail_on)

@@ -39,7 +39,7 @@ def test_a_profile(plcgen, tmp_path, verb):
         ("- {kind: busy, tims: 1}\n", "x.yaml:1:16", ["simulate", "job.yaml", "--faults"]),
         ("cpu: 225\n", "x.yaml:1:6", ["ppi", "serve", "--values"]),
         ("code-changed: severe\n", "x.yaml:1:15", ["diff", "a.db", "a.db", "--policy"]),
-        ("format: 1\nblocks: 5\n", "x.yaml:2:9", ["lock", "--check", "--out"]),
+        ("format: 2\nblocks: 5\n", "x.yaml:2:9", ["lock", "--check", "--out"]),
     ],
 )
 def test_the_other_files(plcgen, tmp_path, text, place, args):

@@ -143,7 +143,16 @@ def test_equal_drives_that_do_not_fit_are_one_problem(tmp_path: Path) -> None:
 
 def dangers(device: Device) -> dict[int, Parameter]:
     """What is dangerous in a device, as far as its catalogue knows it."""
-    return {pnu: one for pnu, one in device.parameters.items() if device.danger(pnu) and one.type and one.access != "r"}
+    return {
+        pnu: one
+        for pnu, one in device.parameters.items()
+        if device.danger(pnu, [least(one)]) and one.type and one.access != "r"
+    }
+
+
+def least(one: Parameter) -> float:
+    """The value that is written: no signal, for a sink of a signal."""
+    return max(one.minimum or 0, 0)
 
 
 def plain(known: dict[int, Parameter]) -> str:
@@ -159,7 +168,7 @@ def both(folder: Path, name: str, known: dict[int, Parameter], order: str) -> Pa
         "d": f"device: {name}, record_index: {find_device(name).default_index}",
         "p": "device: ./plain.yaml",
     }
-    items = [f"{{parameter: P{pnu}, value: {max(one.minimum or 0, 0):g}}}" for pnu, one in known.items()]
+    items = [f"{{parameter: P{pnu}, value: {least(one):g}}}" for pnu, one in known.items()]
     lists = [", ".join(items[at : at + 30]) for at in range(0, len(items), 30)]
     object_ = find_device(name).drive_object
     drives = [

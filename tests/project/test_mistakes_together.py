@@ -15,8 +15,8 @@ from tests.projects import ROOT
 from tests.yaml_files import read_yaml
 
 CASES = ROOT / "tests" / "cases"
-OF_A_SOUND_SPEC = {"PG227", "PG412", "PG413"}
-"""What is written if nothing is connected, and sizes: of blocks that can be made."""
+OF_A_SOUND_SPEC = {"PG227", "PG263", "PG412", "PG413"}
+"""What is written if nothing is connected, where PROFINET is, and sizes: of blocks that can be made."""
 MARKS = str.maketrans("", "", "«»‹›")
 
 

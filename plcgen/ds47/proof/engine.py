@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
@@ -32,6 +32,11 @@ NAMES: Mapping[str, str] = {
 SHORT = 12
 """Hexadecimal digits of a hash that a report shows."""
 _DECLARED = re.compile(r'^\s*(?:FUNCTION_BLOCK|TYPE)\s+"?([^"\s:]+)"?', re.MULTILINE | re.IGNORECASE)
+_UNIT = re.compile(
+    r"^[ \t]*(?P<kind>FUNCTION_BLOCK|TYPE|DATA_BLOCK|ORGANIZATION_BLOCK)[ \t]+"
+    r'(?P<name>"[^"\n]+"|[^"\s:]+).*?^[ \t]*END_(?P=kind)\b',
+    re.MULTILINE | re.IGNORECASE | re.DOTALL,
+)
 _TITLE = re.compile(r"^\s*(?:TITLE\s*=.*|REGION\b.*|END_REGION\s*;?\s*)$", re.MULTILINE)
 """Titles of blocks, and of regions, which the TIA Portal knows from V14 on: before, they are comments."""
 _LIBRARY_VERSION = re.compile(r"(LibVersion\s*:=\s*)'[0-9.]*'")
@@ -73,6 +78,11 @@ def prover_hash(package: Path = FILE.parents[2]) -> str:
     return digest.hexdigest()
 
 
+def _kept(unit: re.Match[str], wanted: Collection[str]) -> str:
+    """A unit of the engine; of another one, which stands in the same source, its lines alone."""
+    return unit[0] if unit["name"].strip('"').upper() in wanted else "\n" * unit[0].count("\n")
+
+
 @dataclass(frozen=True)
 class DriveEngine:
     """The engine of one target: file names and texts; ``names`` are those of its blocks and types by their roles."""
@@ -94,7 +104,7 @@ class DriveEngine:
             declared = {name.upper() for name in _DECLARED.findall(text)} & wanted
             if declared:
                 missing -= declared
-                found.append((str(file), text))
+                found.append((str(file), _UNIT.sub(lambda unit: _kept(unit, wanted), text)))
         if missing:
             absent = ", ".join(sorted(name for name in names.values() if name.upper() in missing))
             raise DiagnosticError(

@@ -43,5 +43,5 @@ RULES = Rules(
     texts=names.texts,
     untranslated=names.untranslated,
     taken=names.taken,
-    remarks=(inputs.left_open, drives.behind_a_processor),
+    remarks=(inputs.left_open, drives.no_records_of_a_processor),
 )

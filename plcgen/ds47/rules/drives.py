@@ -50,7 +50,7 @@ def without_clock(plan: DrivePlan) -> Iterator[Diagnostic]:
         )
 
 
-def behind_a_processor(plan: DrivePlan) -> Iterator[Diagnostic]:
+def no_records_of_a_processor(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG263, a note: on an S7-300 PROFINET may be that of a communications processor, where SFB 52/53 do not reach.
 
     The help of the TIA Portal (SIMATIC NET CPs for S7-300) has PNIO_RW_REC for records there.

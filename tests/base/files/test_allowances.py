@@ -14,7 +14,7 @@ SPEC = """\
 plc: {name: a, family: s7-300, toolchain: tia-v16}
 drives: {d: {device: sinamics-dcm, address: 256}}
 jobs:
-  j: {drive: d, read: [r945]}   # plcgen: allow PG228 looked up
+  j: {drive: d, read: [P952]}   # plcgen: allow PG228 looked up
   # plcgen: allow PG227 always connected
   w: {drive: d, write: {P50303: }}
 """

@@ -47,7 +47,7 @@ class Generated:
         return next(job for job in self.plan.jobs if job.key == key)
 
 
-Generate = Callable[[str, str], Generated]
+Generate = Callable[..., Generated]
 
 
 @pytest.fixture(params=[next(iter(TARGETS)), *(pytest.param(t, marks=pytest.mark.slow) for t in [*TARGETS][1:])])
@@ -60,10 +60,10 @@ def target(request: pytest.FixtureRequest) -> str:
 def generate(tmp_path: Path) -> Generate:
     """Generate the sections of a spec for a target; ID stands for the key of an address."""
 
-    def run(sections: str, where: str) -> Generated:
+    def run(sections: str, where: str, sources: str = "one") -> Generated:
         family, toolchain, key = TARGETS[where]
         spec = tmp_path / "job.yaml"
-        head = f"plc: {{name: Plant, sources: per_block, family: {family}, toolchain: {toolchain}}}\n"
+        head = f"plc: {{name: Plant, family: {family}, toolchain: {toolchain}, sources: {sources}}}\n"
         spec.write_text(head + sections.replace("ID:", f"{key}:"), encoding="utf-8")
         result = api.generate(spec, tmp_path / "out")
         assert result.ok, result.diagnostics

@@ -213,6 +213,7 @@ def test_a_telegram_knows_its_own_types(generate, target) -> None:
         "  P3000: {type: FloatingPoint, array: 60}}}}\n"
         "jobs: {j: {drive: mixer, compare: {P2900: true, 'P3000[0..59]': 1.5}}}\n",
         target,
+        sources="per_block",
     )
     (source,) = (path for path in made.folder.rglob("J.scl"))
     text = source.read_text("utf-8-sig" if target != "v5" else "cp1252")

@@ -14,6 +14,7 @@ from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.ds47.sim.faults import Fault, FaultKind
 from plcgen.proof.rig import Members
 from tests.ds47.proof.playing import ended, job_of, sent
+from tests.projects import per_block
 
 SPEC = """
 drives:
@@ -212,7 +213,7 @@ jobs: {{j: {{drive: d, write_recipe: r}}, k: {{drive: d, read_recipe: r}}}}
 def test_what_keeps_its_values(retain: str, tmp_path: Path) -> None:
     """The data block of the recipe is retentive, if it is not told otherwise; verify notices the other."""
     path = tmp_path / "job.yaml"
-    path.write_text(SHORT.replace("RETAIN", retain), "utf-8")
+    path.write_text(per_block(SHORT.replace("RETAIN", retain)), "utf-8")
     assert api.generate(path, tmp_path / "out").ok
     source, document = tmp_path / "out" / "db" / "RecipeR.db", tmp_path / "out" / "xml" / "RecipeR.xml"
     text = source.read_text("utf-8-sig")

@@ -98,7 +98,7 @@ LIMITED: Mapping[int, Keeps] = {1121: lambda _index, _value: 1.75}
 
 def test_a_job_has_a_word_for_a_drive_that_runs_only_if_that_matters(generate, target) -> None:
     """What restores while the drive runs, too, never ends with 8532, and has no constant for it."""
-    made = generate(SPEC, target)
+    made = generate(SPEC, target, sources="per_block")
     texts = {job.key: next(made.folder.rglob(f"{job.block.name}.scl")).read_bytes() for job in made.plan.jobs}
     assert {key: b"STATUS_RUNS" in text for key, text in texts.items()} == {"limits": True, "filter": False}
 

@@ -18,7 +18,7 @@ from plcgen.s7.cpu.folder import FolderParts, read_parts
 from plcgen.s7.scl.dialect import Dialect
 
 SPEC = """\
-plc: {name: Stated, sources: per_block, family: s7-1500, toolchain: tia-v19}
+plc: {name: Stated, family: s7-1500, toolchain: tia-v19, sources: per_block}
 units:
   cu1:
     device: sinamics-s120
@@ -116,7 +116,7 @@ def test_a_job_with_nothing_in_the_control_db_is_started_by_flags(tmp_path: Path
     job = f"jobs: {{put: {{drive: axis, write: {{P1120: 7.0}}, trigger: {flags}}}}}"
     spec, out = tmp_path / "spec.yaml", tmp_path / "out"
     spec.write_text(
-        f"plc: {{name: Flags, sources: per_block, family: s7-1500, toolchain: tia-v19}}\n{drive}\n{job}\n", "utf-8"
+        f"plc: {{name: Flags, family: s7-1500, toolchain: tia-v19, sources: per_block}}\n{drive}\n{job}\n", "utf-8"
     )
     assert api.generate(spec, out).ok
     assert "Struct;" not in (out / "db" / "DriveJobs.db").read_text("utf-8-sig")
