@@ -29,12 +29,13 @@ def open_line(name: str, rate: int = 9600) -> Line:
     ``rate`` in bit/s counts for serial ports and RFC 2217 only. Raises LineError.
     """
     scheme = name[: name.find("://") + 3].lower() if "://" in name else ""
-    if scheme == SCHEME:
+    if scheme == SCHEME and not name.rstrip("/").endswith(":102"):
         from plcgen.base.line.tcp import TcpLine
 
         return TcpLine.connect(SCHEME + name[len(SCHEME) :])
     if scheme not in {"", RFC2217}:
-        raise LineError(CANNOT_OPEN, name, f'unknown kind of line "{scheme}"', _hint(name, scheme))
+        what = "a serial server has another port" if scheme == SCHEME else f'unknown kind of line "{scheme}"'
+        raise LineError(CANNOT_OPEN, name, what, _hint(name, scheme))
     if not scheme and _ENDPOINT.fullmatch(name) and not os.path.lexists(name):
         raise LineError(
             CANNOT_OPEN, name, "a port has no colon and no number after it", f'did you mean "{SCHEME}{name}"?'
@@ -47,6 +48,8 @@ def open_line(name: str, rate: int = 9600) -> Line:
 def _hint(name: str, scheme: str) -> str:
     """What was meant, and what there is."""
     meant, rest = _OTHERS.get(scheme), name[len(scheme) :]
+    if rest.rstrip("/").endswith(":102"):
+        return f'port 102 is ISO-on-TCP, not PPI: did you mean "s7://{rest.rstrip("/").removesuffix(":102")}"?'
     guess = did_you_mean(scheme, SCHEMES) if meant is None else f'did you mean "{meant}{rest}"?'
     known = "; ".join(f"{each}HOST:PORT is {what}" for each, what in SCHEMES.items())
     return f"{guess} {known}; a port has no scheme".strip()

@@ -30,7 +30,7 @@ def line_options(verb: Callback) -> Callback:
             required=True,
             envvar="PLCGEN_PORT",
             metavar="PORT",
-            help="/dev/ttyUSB0, COM3, a pseudo terminal, socket://HOST:PORT, rfc2217://HOST:PORT; or PLCGEN_PORT.",
+            help="/dev/ttyUSB0, COM3, socket://HOST:PORT, rfc2217://HOST:PORT, s7://HOST (Ethernet); or PLCGEN_PORT.",
         ),
         click.option(
             "--baud",
@@ -78,6 +78,14 @@ def open_clients(
 
     if given["source"] in stations:
         raise click.UsageError(f"--station and --source are both {given['source']}")
+    if given["port"].lower().startswith("s7://"):
+        if len(stations) > 1:
+            raise click.UsageError("s7:// reaches one PLC: --station and several stations belong to PPI")
+        from plcgen.ppi.client.iso import open_iso
+
+        client = open_iso(given["port"], Settings(stations[0], given["source"], answer=max(given["timeout"], 2.0)))
+        client.symbols = symbols
+        return {stations[0]: client}
     line = open_line(given["port"], given["baud"])
     clients = {}
     for station in stations:
