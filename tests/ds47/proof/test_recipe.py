@@ -203,7 +203,7 @@ def test_a_record_is_compared(plant: Plant) -> None:
     assert run(plant, "check", 1) == 0
 
 
-HEAD = "plc: {name: a, sources: per_block, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-g120, hardware_id: 270}}\n"
+HEAD = "plc: {name: a, family: s7-1500, toolchain: tia-v19}\ndrives: {d: {device: sinamics-g120, hardware_id: 270}}\n"
 SHORT = f"""{HEAD}recipes: {{r: {{parameters: [P1120], records: {{one: {{P1120: 4.0}}, two: {{}}}}, retain: RETAIN}}}}
 jobs: {{j: {{drive: d, write_recipe: r}}, k: {{drive: d, read_recipe: r}}}}
 """
