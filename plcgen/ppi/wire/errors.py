@@ -49,12 +49,6 @@ class Kind(enum.StrEnum):
 TOLERABLE = frozenset({Kind.ACKNOWLEDGEMENT, Kind.PAD, Kind.FRAME_COUNT})
 """What real lines produce: accepted by ``ppi decode --tolerant``, and by the client."""
 
-ANSWERABLE = frozenset({
-    Kind.RESERVED, Kind.TRANSPORT_SIZE, Kind.COUNT, Kind.DATA_BLOCK, Kind.AREA, Kind.ADDRESS, Kind.VALUE_LENGTH,
-    Kind.VALUE, Kind.RETURN_CODE, Kind.SIZE_CODE, Kind.LIMIT, Kind.SERVICE,
-})  # fmt: skip
-"""The structure is known all the same: a station answers it with a return code instead of silence."""
-
 
 @dataclass(frozen=True, slots=True)
 class Violation:
