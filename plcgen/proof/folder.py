@@ -19,7 +19,8 @@ from plcgen.s7.types.blocks import Block
 from plcgen.s7.xml.reading.documents import read_simaticml
 
 _BAR = re.compile(r"(?<!\\)\|")
-_ESCAPED = re.compile(r"\\([^\w\s])")
+_MARKED = re.compile(r"(?P<code>(?P<fence>`+)(?!`).*?(?<!`)(?P=fence)(?!`))|\\(?P<sign>[!-/:-@\[-`{-~])|&#?\w+;")
+"""What a viewer shows as something else than what stands there, and code (CommonMark: 2.4, 2.5, 6.1)."""
 
 
 @dataclass(slots=True)
@@ -99,4 +100,14 @@ def table_rows(text: str) -> Iterator[list[str]]:
     """Cells of every row of the Markdown tables in a text as a viewer shows them; their rules of dashes have none."""
     for line in text.splitlines():
         if line.startswith("| "):
-            yield [unescape(_ESCAPED.sub(r"\1", cell.strip())) for cell in _BAR.split(line)[1:-1]]
+            yield [rendered(cell) for cell in _BAR.split(line)[1:-1]]
+
+
+def rendered(line: str) -> str:
+    """A line of Markdown as a viewer shows it, with single blanks; spans of code are as they stand there."""
+    return plain(_MARKED.sub(lambda mark: mark["code"] or mark["sign"] or unescape(mark[0]), line))
+
+
+def plain(text: str) -> str:
+    """A text with single blanks."""
+    return " ".join(text.split())

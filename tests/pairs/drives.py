@@ -15,7 +15,7 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     "device": (
         "micromaster-4", "profidrive", "sinamics-dcm", "sinamics-dcp", "sinamics-g110m", "sinamics-g115d",
         "sinamics-g120", "sinamics-g120c", "sinamics-g120x", "sinamics-g130", "sinamics-g150", "sinamics-s120",
-        "sinamics-s150", "sinamics-s210", "sinamics-v90",
+        "sinamics-s150", "sinamics-s210", "sinamics-v90", "./acme.yaml", "./alike.yaml",
     ),
     "kind": (
         "read", "write", "input", "bits", "readback", "saved", "restore", "save", "faults", "alarms", "acknowledge",
@@ -28,19 +28,21 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     ),
     "languages": ("en", "de", "de-en", "zh-de-en", "en-fr", "unknown"),
     "names": ("style", "faq", "job"),
-    "trigger": ("member", "bit", "flags", "symbol", "inputs"),
-    "buffers": ("instance", "db", "numbers", "sizes"),
+    "trigger": ("member", "bit", "flags", "symbol", "tags", "inputs"),
+    "buffers": ("instance", "db", "numbers", "sizes", "members"),
     "drives": ("one", "two", "unit", "list"),
     "index": ("none", "first", "range", "many", "last", "high"),
     "times": ("default", "short", "no retries", "many retries", "long"),
     "comment": ("none", "text", "languages", "marks"),
     "key": ("short", "usual", "long", "digits"),
     "sources": ("one", "per_block"),
+    "retain": ("yes", "no"),
+    "owned": ("none", "Main", "notes.md"),
 }  # fmt: skip
 BASE: Row = {
     "toolchain": "tia-v19", "family": "s7-1500", "device": "sinamics-s120", "kind": "read", "type": "FloatingPoint",
     "languages": "en", "names": "style", "trigger": "member", "buffers": "instance", "drives": "one", "index": "none",
-    "times": "default", "comment": "none", "key": "usual", "sources": "one",
+    "times": "default", "comment": "none", "key": "usual", "sources": "one", "retain": "yes", "owned": "none",
 }  # fmt: skip
 TRIPLES = (("family", "kind", "languages"),)
 LANGUAGES = {
@@ -58,6 +60,12 @@ TRIGGERS: dict[str, Any] = {
     "flags": {"execute": "M50.0", "busy": "M50.1", "done": "M50.2", "error": "M50.3", "status": "MW52"},
     "inputs": {"execute": "I0.0", "done": "Q0.0"},
     "symbol": {"execute": "Plant.start", "done": "Plant.line[2].done"},
+    "tags": {"execute": "Start_it", "busy": "Tag_2", "status": '"Tag 9"'},
+}
+MEMBERS = {
+    "faq": ("Request_Ref", "Axis_Mirror"),
+    "job": ("Request_Ref", "Axis_Mirror"),
+    "style": ("requestReference", "driveObjectMirror"),
 }
 
 
@@ -134,9 +142,14 @@ def spec(row: Row) -> dict[str, Any]:
     job |= _kind(row["kind"], parameter, _value(row["type"])) | TIMES[row["times"]]
     if row["trigger"] != "member":
         job["trigger"] = TRIGGERS[row["trigger"]]
+    asked, answered = MEMBERS[row["names"]]
     job |= {
         "instance": {}, "db": {"buffers": "db"}, "numbers": {"request": {"db": 90}, "response": {"db": 91}},
         "sizes": {"response": {"size": 200, "name": "Answer"}},
+        "members": {
+            "request": {"name": "Asked", "members": {asked: "Reference"}},
+            "response": {"size": 190, "members": {answered: "Axis_of"}},
+        },
     }[row["buffers"]]  # fmt: skip
     if row["comment"] != "none":
         job["comment"] = COMMENTS[row["comment"]]
@@ -148,6 +161,7 @@ def spec(row: Row) -> dict[str, Any]:
         sections["recipes"] = {
             "set": {"parameters": parameters, "records": {"a": {}, "b2": {"speed": 1.0}} if names else 3}
         }
+        sections["recipes"]["set"] |= {"retain": False} if row["retain"] == "no" else {}
     jobs = {KEYS[row["key"]]: job}
     if row["drives"] == "two":
         jobs["beside"] = {"drive": "other", "read": ["P42990"]}
@@ -159,4 +173,5 @@ def spec(row: Row) -> dict[str, Any]:
     }
     plc |= {"sources": "per_block"} if row["sources"] != "one" else {}
     plc |= {"names": "faq"} if row["names"] == "faq" else {}
+    plc |= {"user_owned": [row["owned"]]} if row["owned"] != "none" else {}
     return {"plc": plc, **sections, "jobs": jobs}

@@ -16,21 +16,24 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     "module": ("cm1241", "cb1241", "ptp-1200", "ptp-1500", "cp341"),
     "kind": ("read", "write", "input", "run", "stop"),
     "items": ("one", "mixed", "bits", "typed", "apart", "long"),
-    "stations": ("one", "two", "symbols"),
+    "stations": ("one", "two", "symbols", "table"),
     "cycle": ("none", "1s"),
-    "trigger": ("member", "bit", "flags", "symbol", "inputs"),
+    "trigger": ("member", "bit", "flags", "symbol", "tags", "inputs"),
     "languages": tuple(LANGUAGES),
     "comment": ("none", *COMMENTS),
     "key": tuple(KEYS),
     "baud": ("9600", "19200"),
     "beside": ("none", "read", "split", "alike"),
     "sources": ("one", "per_block"),
+    "buffers": ("automatic", "numbers"),
+    "owned": ("none", "Main"),
 }  # fmt: skip
 FAMILY = {"cm1241": "s7-1200", "cb1241": "s7-1200", "ptp-1200": "s7-1200", "ptp-1500": "s7-1500", "cp341": "s7-300"}
 BASE: Row = {
     "toolchain": "tia-v19", "module": "cm1241", "kind": "read", "items": "one", "stations": "one", "cycle": "none",
     "trigger": "member", "languages": "en", "comment": "none", "key": "usual", "baud": "9600", "beside": "none",
     "sources": "one",
+    "buffers": "automatic", "owned": "none",
 }  # fmt: skip
 ITEMS: dict[str, dict[str, Any]] = {
     "one": {"VW100": 7}, "mixed": {"VW100": 7, "VB200": 1, "VD300": 100000, "MB4": 3}, "bits": {"M0.0": 1, "V10.7": 0},
@@ -45,7 +48,7 @@ REFUSALS: tuple[Refusal, ...] = (
 
 
 def _job(row: Row) -> dict[str, Any]:
-    items = ITEMS[row["items"]]
+    items = ITEMS[row["items"]] | ({"UpperLevel": 7} if row["stations"] in {"symbols", "table"} else {})
     if row["kind"] in {"run", "stop"}:
         return {row["kind"]: True}
     if row["kind"] == "read":
@@ -62,12 +65,16 @@ def spec(row: Row) -> dict[str, Any]:
     if row["stations"] == "two":
         stations["tank"] = {"address": 9, "cpu": "224"}
     elif row["stations"] == "symbols":
-        stations["pump"] |= {"symbols": {"Level": "VW20"}, "comment": "with symbols"}
+        stations["pump"] |= {"symbols": {"UpperLevel": "VW3000"}, "comment": "with symbols"}
+    elif row["stations"] == "table":
+        stations["pump"]["symbols"] = "pump.csv"
     key = KEYS[row["key"]]
     job = {"station": "pump", **_job(row)}
     job |= {"cycle": "1s"} if row["cycle"] != "none" else {}
     job |= {"trigger": TRIGGERS[row["trigger"]]} if row["trigger"] != "member" else {}
     job |= {"comment": COMMENTS[row["comment"]]} if row["comment"] != "none" else {}
+    if row["buffers"] == "numbers":
+        job |= {"request": {"name": "Asked", "db": 90}} | ({"response": {"db": 91}} if "run" not in job else {})
     jobs = {key: job}
     other = "tank" if "tank" in stations else "pump"
     if row["beside"] != "none":
@@ -77,4 +84,5 @@ def spec(row: Row) -> dict[str, Any]:
     line = {"module": module, **port, "baud": int(row["baud"]), "stations": stations, "jobs": jobs}
     plc = {"name": "Pairs", "family": FAMILY[row["module"]], "toolchain": row["toolchain"]}
     plc |= {"sources": "per_block"} if row["sources"] != "one" else {}
+    plc |= {"user_owned": [row["owned"]]} if row["owned"] != "none" else {}
     return {"plc": {**plc, "languages": LANGUAGES[row["languages"]]}, "ppi": {"line": line}}

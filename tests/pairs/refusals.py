@@ -21,14 +21,14 @@ LISTS = (
     "activate", "clock", *RECIPES,
 )  # fmt: skip
 """Kinds of more than one telegram, or that deliver a list."""
-OWN = ("buffers", ("db", "numbers", "sizes"))
+OWN = ("buffers", ("db", "numbers", "sizes", "members"))
 
 Refusal = tuple[tuple[Side, ...], str]
 DRIVES: tuple[Refusal, ...] = (
     ((("toolchain", ("step7-v5",)), ("family", ("s7-1200", "s7-1500"))), "PG214"),
     ((("device", SMALL), ("drives", ("unit",))), "PG217"),
     ((("trigger", ("inputs",)),), "PG404"),
-    ((("trigger", ("bit", "flags", "symbol")), ("drives", ("list",))), "PG404"),
+    ((("trigger", ("bit", "flags", "symbol", "tags")), ("drives", ("list",))), "PG404"),
     ((("type", TEXTS), ("index", ("range", "many", "last", "high"))), "PG206"),
     ((("kind", ("until",)), ("index", ("range", "many"))), "PG251"),
     ((("kind", ("until",)), ("type", TEXTS)), "PG251"),
@@ -42,6 +42,9 @@ DRIVES: tuple[Refusal, ...] = (
     ((OWN, ("drives", ("list",))), "PG223"),
     ((OWN, ("index", ("many",))), "PG223"),
     ((OWN, ("kind", LISTS)), "PG223"),
+    ((OWN, ("kind", ("input",)), ("type", ("Float64",)), ("family", ("s7-1200", "s7-1500"))), "PG223"),
+    ((OWN, ("kind", ("input",)), ("type", ("Integer64", "Unsigned64")), ("family", ("s7-1500",))), "PG223"),
+    ((("kind", ("faults", "alarms", "acknowledge", "activate", "clock")), ("device", ("./acme.yaml",))), "PG248"),
     ((("kind", ("faults",)), ("device", ("micromaster-4", "profidrive", "sinamics-dcp"))), "PG248"),
     ((("kind", ("alarms",)), ("device", ("micromaster-4", "sinamics-dcp"))), "PG248"),
     ((("kind", ("alarms", "acknowledge", "activate", "clock")), ("device", ("profidrive",))), "PG262"),

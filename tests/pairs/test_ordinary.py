@@ -53,6 +53,37 @@ SPECS: dict[str, dict[str, Any]] = {
     "start values of arrays whose elements differ": spec(S1200, UNLIKE, STARTS),
     "the same start values in STEP 7 V5": spec(V5, UNLIKE, STARTS),
     "a drive that is silent for an hour": spec(S1200, FLOAT, "jobs: {j: {drive: a, read: [P43000], timeout: 1 h}}"),
+    "a drive that is switched off while old values can be restored for an hour": spec(
+        S1200,
+        FLOAT,
+        "jobs: {j: {drive: a, write: {P43000: null}, verify: readback, on_error: {restore: running, reason: may},"
+        " timeout: 3529245ms}}",
+        device="sinamics-s210",
+    ),
+    "two hours of a clock that starts over every hour": spec(
+        S1200,
+        FLOAT,
+        "jobs: {j: {drive: a, write: {P43000: null}, verify: readback, on_error: {restore: running, reason: may},"
+        " timeout: 1h}}",
+        device="sinamics-s120",
+    ),
+    "retries that are over before a third of the timeout is": spec(
+        S300, FLOAT, "jobs: {j: {drive: a, read: [P43000], timeout: 2min, retries: 100}}", device="sinamics-v90"
+    ),
+    "a save without retries": spec(
+        S1200, FLOAT, "jobs: {j: {drive: a, save: drive_object, timeout: 2s, retries: 0}}", device="profidrive"
+    ),
+    "a parameter that the list of a similar drive object knows as a display": spec(
+        S1500, "P2902: {type: FloatingPoint}", "jobs: {j: {drive: a, write: {P2902: null}}}", device="sinamics-s120"
+    ),
+    "two drive objects behind one identifier, which are no unit in the spec": {
+        "plc": {"name": "P", "family": "s7-1200", "toolchain": "tia-v17"},
+        "drives": {
+            key: {"device": "sinamics-s120", "hardware_id": 270, "drive_object": number}
+            for key, number in (("a", 3), ("b", 4))
+        },
+        "jobs": {key: {"drive": key, "read": ["r21"]} for key in "ab"},
+    },
     "a name that is shortened for its tags": spec(
         V5, FLOAT, "jobs: {ramp_up_and_down_of_the_feeder: {drive: a, read: [P43000], trigger: M50.0}}"
     ),

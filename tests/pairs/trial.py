@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
@@ -15,6 +16,8 @@ from plcgen import api
 from plcgen.base.diagnostics import Diagnostic, Severity
 from tests.xsd_support import PROJECT, VERSIONS, validate_islands
 
+FILES = Path(__file__).with_name("files")
+"""What specs name: profiles of devices, a symbol table."""
 Effort = Literal["none", "quick"]
 
 
@@ -24,6 +27,7 @@ class WrongError(Exception):
 
 def tried(spec: dict[str, Any], folder: Path, effort: Effort = "none") -> frozenset[str]:
     """Codes with which a spec is refused, none if all of it works. Raises WrongError."""
+    shutil.copytree(FILES, folder, dirs_exist_ok=True)
     path = folder / "spec.yaml"
     path.write_text(yaml.safe_dump(spec, sort_keys=False, allow_unicode=True), "utf-8")
     checked = api.check(path)
@@ -35,6 +39,9 @@ def tried(spec: dict[str, Any], folder: Path, effort: Effort = "none") -> frozen
     out = folder / "spec_generated"
     if not (made := api.generate(path, out, force=True)).ok:
         raise WrongError(f"generate: {_errors(made.diagnostics)}")
+    for owned in spec["plc"].get("user_owned", ()):
+        file = next(out.rglob(f"{owned}.scl"), out / owned)
+        file.write_bytes((file.read_bytes() if file.exists() else b"") + b"// mine\r\n")
     again = api.generate(path, out, check_only=True)
     if not again.ok or again.diff:
         raise WrongError(f"generate --check: {again.diff[:300]} {_errors(again.diagnostics)}")

@@ -29,6 +29,8 @@ STILL_MS = 1000
 """Of the time between two calls so much counts at most."""
 LONG_MS = 2000
 """What takes longer waits for a time, and may be looked at less often."""
+COARSE_SCANS = 10_000
+"""Behind so many scans the rest of a run whose time is not measured has about as many more, however long it is."""
 WAITING_MS = 50
 """Length of a scan in ms while a job waits for a drive that has forgotten its telegram: some seconds."""
 
@@ -54,6 +56,8 @@ class JobConduct:
         """Until when another job has the unit."""
         self.length = 0
         """Length of a scan in ms at least."""
+        self.latest = 0
+        """After how many ms at the latest the job must have ended."""
         self.pace = Pace(rig.cpu, [rig.drive])
 
     def plain(self, name: str) -> DriveScenario:
@@ -108,12 +112,9 @@ class JobConduct:
         for (telegram, place), data in scenario.delivers.items():
             self.wanted[telegram - 1][place - 1] = data
         self.length, self.pace = scenario.scan, Pace(rig.cpu, [rig.drive])
-        return (
-            rig.job.timeout
-            + DRAIN_MS
-            + longest_waits(rig.job)
-            + 12 * max(scenario.scan, WAITING_MS if "off" in happens else 0)
-        )
+        calls = 12 * max(scenario.scan, WAITING_MS if "off" in happens else 0)
+        self.latest = rig.job.timeout + DRAIN_MS + longest_waits(rig.job) + calls
+        return self.latest
 
     def set_off(self, scenario: DriveScenario) -> None:
         """What must be handed over in this run."""
@@ -176,6 +177,8 @@ class JobConduct:
         counted = run.scenario.happens or run.scenario.occupied  # something happens in a certain scan
         exact = counted or run.passed < LONG_MS
         length = self.length if exact else max(self.length, self.pace.length())
+        if run.scans > COARSE_SCANS and run.scenario.took is None:
+            length = max(length, min(STILL_MS, self.latest // COARSE_SCANS))
         if run.scenario.sharp is not None and self.times is not None:
             return self.times.length(length, run.scenario.sharp)
         return length

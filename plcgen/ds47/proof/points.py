@@ -47,3 +47,11 @@ def replaced_values(telegram: DriveTelegram, values: dict[int, bytes]) -> Edit:
 def value_at(telegram: DriveTelegram, place: int) -> int:
     """Where the values of a parameter begin in a good answer."""
     return 4 + sum(2 + padded(part.size) for part in telegram.parts[: place - 1]) + 2
+
+
+def soon_out_of_retries(job: DriveJob) -> bool:
+    """Whether a job may end without retries before it sends a request anew that its drive has forgotten.
+
+    It does so behind a third of its timeout, and that takes a retry too.
+    """
+    return (job.retries - 1) * job.retry_pause <= job.timeout // 3 + 1000

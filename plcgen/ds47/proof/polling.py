@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from plcgen.ds47.kind import Poll
 from plcgen.ds47.plan.nouns import DriveJob
@@ -79,7 +80,10 @@ def _questions(job: DriveJob, poll: Poll) -> Iterator[DriveScenario]:
             telegram=first + 2,
             errors={(first + 2, 1): (0x8011, 7)},
         )
-        yield DriveScenario(name="the second question gets lost", saving=long, reads={first + 3: LOST}, again=1)
+        sent_again: dict[str, Any] = {"again": 1}
+        if not job.retries:
+            sent_again = {"status": (WORDS["RETRIES"],), "telegram": first + 2, "answered": False}
+        yield DriveScenario(name="the second question gets lost", saving=long, reads={first + 3: LOST}, **sent_again)
     words = [name for name in ("RETRIES", "TIMEOUT", "NO_PLACE") if name == "RETRIES" or job.retries > 1]
     yield DriveScenario(
         name="no question is answered",

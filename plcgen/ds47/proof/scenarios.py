@@ -8,7 +8,7 @@ from itertools import chain
 from plcgen.base.diagnostics.counting import shortlist
 from plcgen.ds47.plan.access import Part
 from plcgen.ds47.plan.nouns import DriveJob, DriveTelegram
-from plcgen.ds47.proof.points import FEW, ends, fault, positions, replaced_values, value_at
+from plcgen.ds47.proof.points import FEW, ends, fault, positions, replaced_values, soon_out_of_retries, value_at
 from plcgen.ds47.proof.rig import VALUE_SETS
 from plcgen.ds47.proof.scenario import DriveScenario, Edit
 from plcgen.ds47.proof.step_facts import triggers
@@ -277,6 +277,14 @@ def _silence(job: DriveJob, calls: int) -> tuple[int, ...]:
     return tuple(WORDS[name] for name in found)
 
 
+def _forgotten(job: DriveJob) -> tuple[int, ...]:
+    """How a job may end whose drive has forgotten a request: done, if retries and the rest of its timeout last."""
+    found = ["DONE", "UNKNOWN"] if job.once else ["DONE"]
+    found += ["RETRIES"] if soon_out_of_retries(job) else []
+    rest = (job.retry_pause + CALLS_MS) * 2 + CALLS_MS * len(job.telegrams)
+    return tuple(WORDS[name] for name in (*found, *(["TIMEOUT"] if rest >= job.timeout / 3 else [])))
+
+
 def _signals(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
     """Execute, inputs, the slot, restarts."""
     yield DriveScenario(name="all inputs change after the edge", meddle=True, busy=(3, 3))
@@ -326,12 +334,11 @@ def _signals(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
                 checked=False,
                 again=None,
             )
-        words = ["DONE", "UNKNOWN"] if job.once else ["DONE"]
         if polls(job):
             yield DriveScenario(
                 name=f"the drive is switched off and on before scan {at}",
                 happens={at: "off"},
-                status=tuple(WORDS[word] for word in (*words, *(("RETRIES", "TIMEOUT") if job.retries < 60 else ()))),
+                status=_forgotten(job),
                 checked=False,
                 again=None,
             )

@@ -11,6 +11,7 @@ from plcgen.ds47.proof.instances import ThreeInstances
 from plcgen.ds47.proof.pace import Pace
 from plcgen.ds47.proof.partner import ScriptedDrive
 from plcgen.ds47.proof.plant import Plant
+from plcgen.ds47.proof.points import soon_out_of_retries
 from plcgen.ds47.proof.restoration import OUTCOMES
 from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.ds47.proof.sections import LARGE, PlantSection, plant_sections
@@ -423,7 +424,7 @@ def _off(scans: int) -> Callable[[Plant], None]:
             drive.switch_off()
         longest = max(job.timeout for job in plant.plan.jobs) // 10
         late = frozenset(WORDS[name] for name in ("RETRIES", "TIMEOUT", "NO_PLACE"))
-        few = {job.key for job in plant.plan.jobs if job.retries * (job.retry_pause + 10) <= job.timeout // 3 + 1000}
+        few = {job.key for job in plant.plan.jobs if soon_out_of_retries(job)}
         few |= {job.key for job in plant.plan.jobs if job.timeout // 3 + 2 * (job.retry_pause + 100) >= job.timeout}
         # a job whose request is lost may keep the unit for its timeout: others wait for it no longer than waitLimit
         behind = {

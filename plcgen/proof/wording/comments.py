@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.proof.folder import Folder
-from plcgen.proof.wording.model import Wording, agrees, stated_facts, unmarked
+from plcgen.proof.folder import Folder, plain
+from plcgen.proof.wording.model import Wording, agrees, stated_facts
 from plcgen.s7.layout.image import image
 from plcgen.s7.layout.layout import layout_block
 from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind
@@ -94,7 +94,7 @@ def _offsets(block: Block, folder: Folder) -> dict[str, int]:
 def _remarks(block: Block, stated: Wording, place: Span, *, english: bool) -> Iterator[Diagnostic]:
     """Comments in the code that state something; those in another language than English are not understood."""
     for code, text in _REMARK.findall(block.code or "") if english else ():
-        if stated_facts(text) and not stated.remark(block, code.strip(), unmarked(text)):
+        if stated_facts(text) and not stated.remark(block, code.strip(), plain(text)):
             yield _wrong(block, f'no source for the comment "{text.strip()}"', frozenset(), place)
 
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.project.nouns import Project
-from plcgen.proof.folder import Folder
+from plcgen.proof.folder import Folder, plain
 from plcgen.proof.wording.guides import CULTURES, cultures
-from plcgen.proof.wording.model import Wording, states, unmarked, untitled
+from plcgen.proof.wording.model import Wording, states, untitled
 from plcgen.s7.xml.reading.xml import child, children, load, local, parse_xml, span, text
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def said_in_spec(project: Project) -> list[dict[str, str]]:
         if isinstance(tree, dict):
             said = tree.get("comment")
             if isinstance(said, dict):
-                found.append({CULTURES.get(str(name), str(name)): unmarked(line) for name, line in said.items()})
+                found.append({CULTURES.get(str(name), str(name)): plain(line) for name, line in said.items()})
             pending += tree.values()
         elif isinstance(tree, list | tuple):
             pending += tree
@@ -79,7 +79,7 @@ def _described(path: Path, element: Element, wanted: Mapping[str, str]) -> Itera
     for group in children(child(element, "ObjectList"), "MultilingualText"):
         right = wanted if group.get("CompositionName") == "Comment" else {}
         for name, line in _items(group):
-            if unmarked(line) != unmarked(right.get(name, "")):
+            if plain(line) != plain(right.get(name, "")):
                 message = f'{group.get("CompositionName")} in {name} is "{line}", the spec says "{right.get(name, "")}"'
                 yield Diagnostic("PG614", message, span(group, str(path)))
 
@@ -105,7 +105,7 @@ def _texts(
     right = names == list(wanted) if whole else names == [name for name in wanted if name in names]
     if not right:
         yield Diagnostic("PG614", f"texts in {', '.join(names)}, the spec has {', '.join(wanted)}", place)
-    spoken_ = [(name, unmarked(line)) for name, line in said if line.strip()]
+    spoken_ = [(name, plain(line)) for name, line in said if line.strip()]
     base = next((line for name, line in spoken_ if name.startswith("en")), "")
     for name, line in spoken_ if base else ():
         if not name.startswith("en") and not _alike(base, line) and not _own(base, line, name, comments):

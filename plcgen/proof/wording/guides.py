@@ -11,8 +11,8 @@ from functools import cache, partial
 from pathlib import Path
 
 from plcgen.project.nouns import Project
-from plcgen.proof.folder import Folder
-from plcgen.proof.wording.model import GuideLine, Wording, unmarked
+from plcgen.proof.folder import Folder, plain, rendered
+from plcgen.proof.wording.model import GuideLine, Wording
 from plcgen.proof.wording.unproven import EARLY, VERSION, WATCH, unproven
 
 GUIDE, DOCUMENTS = "IMPORT.md", "xml/IMPORT.md"
@@ -165,15 +165,15 @@ def _says(names: set[str], note: str, text: str) -> bool:
 def differences(wanted: Sequence[GuideLine], lines: Sequence[str], start: int) -> Iterator[tuple[int, str]]:
     """Lines that nobody states, and what is missing; blank lines and rules of tables do not count."""
     found = [(number, line) for number, line in enumerate(lines, start + 1) if not _RULE.fullmatch(line.strip())]
-    texts = {unmarked(one.text): one.text for one in wanted}
+    texts = {plain(one.text): one.text for one in wanted}
     others = [one for one in wanted if one.accepts is not None]
     said = []
     for _, line in found:
-        text = unmarked(line)
+        text = rendered(line)
         if text not in texts:
-            text = next((unmarked(one.text) for one in others if one.agrees(line)), text)
+            text = next((plain(one.text) for one in others if one.agrees(line)), text)
         said.append(text)
-    right = [unmarked(one.text) for one in wanted]
+    right = [plain(one.text) for one in wanted]
     for tag, one, two, three, four in SequenceMatcher(None, right, said, autojunk=False).get_opcodes():
         if tag == "equal":
             continue

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator, Sequence
 
 from plcgen.project.nouns import Project
-from plcgen.proof.folder import Folder
-from plcgen.proof.wording.model import Wording, agrees, stated_facts, unmarked
+from plcgen.proof.folder import Folder, plain
+from plcgen.proof.wording.model import Wording, agrees, stated_facts
 from plcgen.s7.types.blocks import Block, SectionKind
 from plcgen.s7.types.data_types import ArrayType, Elementary
 
@@ -38,7 +38,7 @@ def check_main(project: Project, folder: Folder, stated: Sequence[Wording], bloc
         called = folder.text.get(_called(folder, found["call"]))
         if called is None or not agrees(found["title"], frozenset({called.title}), english=english):
             yield f'the calls under "{found["title"]}" are of {called.title if called is not None else "nothing known"}'
-    for text in map(unmarked, _REMARK.findall(code)):
+    for text in map(plain, _REMARK.findall(code)):
         known = text == _COPY or text.removeprefix("---- ").removesuffix(" ----") in titles
         if not known and (english or stated_facts(text)):
             yield f'no source for the comment "{text}"'

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import html
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 from plcgen.base.diagnostics import Diagnostic
-from plcgen.project.nouns import PlannedJob
+from plcgen.project.nouns import BlockRef, PlannedJob
+from plcgen.proof.folder import plain, rendered
 from plcgen.s7.types.blocks import Block
 
 _MARKS = ("(*", "*)", "//", "/*", "*/", "'", "{", "}", ";", '"')
@@ -38,7 +38,8 @@ class GuideLine:
 
     def agrees(self, text: str) -> bool:
         """Whether a line of a document says this."""
-        return unmarked(text) == unmarked(self.text) or (self.accepts is not None and self.accepts(unmarked(text)))
+        found = rendered(text)
+        return found == plain(self.text) or (self.accepts is not None and self.accepts(found))
 
 
 class Wording(Protocol):
@@ -120,11 +121,6 @@ class Wording(Protocol):
         """What the manifest says of the plan."""
 
 
-def unmarked(text: str) -> str:
-    """A text with single blanks, without what Markdown needs to show it as it is."""
-    return " ".join(html.unescape(text).replace("\\", "").split())
-
-
 def held(text: str) -> bool:
     """Whether sources in Windows-1252, as those of STEP 7 V5, have every character of a text: else it is left out."""
     return text.encode("cp1252", "replace").decode("cp1252") == text
@@ -134,7 +130,7 @@ def untitled(text: str) -> str:
     """A text as a title has it."""
     for mark in _MARKS:
         text = text.replace(mark, " ".join(mark) if len(mark) > 1 else " ")
-    return unmarked(text)
+    return plain(text)
 
 
 def stated_facts(text: str) -> list[str]:
@@ -159,3 +155,10 @@ def agrees(found: str, stated: frozenset[str], *, english: bool) -> bool:
     if english or not said:
         return False
     return any(text and states(said, untitled(text)) for text in stated)
+
+
+def unlike(what: str, name: str | None, number: int | None, block: BlockRef | None) -> Iterator[str]:
+    """Where a block is not called or numbered as the spec says; None: it says nothing."""
+    for said, found in ((name, block and block.name), (number, block and block.number)):
+        if said not in {None, found}:
+            yield f"the {what} is {found}, the spec says {said}"

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 
 from plcgen.base.diagnostics import DiagnosticError
 from plcgen.project.nouns import Project
-from plcgen.proof.folder import Folder, table_rows
-from plcgen.proof.wording.model import Wording, unmarked, untitled
+from plcgen.proof.folder import Folder, plain, rendered, table_rows
+from plcgen.proof.wording.model import Wording, untitled
 from plcgen.s7.layout.layout import Entry, Layout, layout_block
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.types.data_types import Elementary, Member, inner_members
@@ -44,7 +44,7 @@ class _Table:
     def texts(self, name: str, offset: int) -> set[str]:
         """What a member may say: a sheet says it in English where its source says it in another language."""
         said = (one.member(self.block, name.split("."), offset) for one in self.stated)
-        return {unmarked(text) for texts in said for text in texts or ()}
+        return {plain(text) for texts in said for text in texts or ()}
 
 
 @dataclass(slots=True)
@@ -71,7 +71,7 @@ def check_sheet(project: Project, folder: Folder, stated: Sequence[Wording], tex
     sheet = _Sheet(project, folder, stated, numbers, images, wanted)
     lines = text.split("\n")
     top = f"# {project.name}: layout of the data blocks"
-    if unmarked(lines[0]) != unmarked(top):
+    if rendered(lines[0]) != plain(top):
         yield 1, f'the heading is not "{top}"'
     for number, line in enumerate(lines[1:], 2):
         yield from ((number, what) for what in _line(sheet, line))
@@ -85,13 +85,13 @@ def check_sheet(project: Project, folder: Folder, stated: Sequence[Wording], tex
 def _line(sheet: _Sheet, line: str) -> Iterator[str]:
     if line.startswith("## "):
         yield from _ended(sheet)
-        name, _, title = unmarked(line.removeprefix("## ")).partition(": ")
+        name, _, title = rendered(line.removeprefix("## ")).partition(": ")
         block = sheet.folder.text.get(name.upper())
-        sheet.waiting = [frozenset(map(unmarked, texts)) for texts in sheet.wanted.pop(name.upper(), [])]
+        sheet.waiting = [frozenset(map(plain, texts)) for texts in sheet.wanted.pop(name.upper(), [])]
         if block is None or untitled(title) not in _titles(block, sheet.stated):
             yield f'"{line}": the block has another title'
     elif line.startswith("- "):
-        said = unmarked(line.removeprefix("- "))
+        said = rendered(line.removeprefix("- "))
         at = next((at for at, texts in enumerate(sheet.waiting) if said in texts), None)
         if at is None:
             yield f'no source for "{line}"; the telegrams say "{min(sheet.waiting[0]) if sheet.waiting else "nothing"}"'
@@ -100,7 +100,7 @@ def _line(sheet: _Sheet, line: str) -> Iterator[str]:
     elif line.startswith("### "):
         yield from _ended(sheet)
         part = _PART.fullmatch(line)
-        block = sheet.folder.text.get(unmarked(part["name"]).upper()) if part is not None else None
+        block = sheet.folder.text.get(rendered(part["name"]).upper()) if part is not None else None
         if part is None or block is None:
             yield f"{line} is not a block"
         else:
@@ -174,7 +174,7 @@ def _row(table: _Table, row: Sequence[str]) -> Iterator[str]:
         yield f"a row has {len(row)} columns"
         return
     table.seen += 1
-    offset, address, name, type_, size, start, meaning = map(unmarked, row)
+    offset, address, name, type_, size, start, meaning = map(plain, row)
     entry, of = table.entries.get(name) or table.entries.get(f"telegram.{name}"), table.block.name
     if entry is None:
         yield f"{of} has no {name}"
@@ -190,12 +190,12 @@ def _row(table: _Table, row: Sequence[str]) -> Iterator[str]:
     held = table.image[entry.byte : entry.byte + entry.size // 8]
     if held and width and literal_bytes(start, len(held)) not in {None, held}:
         yield f"{of}.{name} starts with {held.hex(' ').upper()}"
-    elif (own := table.starts.get(name, "")) and unmarked(own) != start:
+    elif (own := table.starts.get(name, "")) and plain(own) != start:
         yield f"{of}.{name} starts with {own}"
     elif start and not own and not any(held):
         yield f"{of}.{name} starts with nothing"
     member = table.members.get(name)
-    known = member is None or unmarked(member.comment) == meaning or meaning in table.texts(name, entry.byte)
+    known = member is None or plain(member.comment) == meaning or meaning in table.texts(name, entry.byte)
     if member is not None and not known:
         yield f'{of}.{name} means "{meaning}", its source says "{member.comment}"'
 

@@ -6,7 +6,8 @@ import csv
 from collections.abc import Iterator, Sequence
 
 from plcgen.project.nouns import Project
-from plcgen.proof.wording.model import Wording, agrees, unmarked
+from plcgen.proof.folder import plain
+from plcgen.proof.wording.model import Wording, agrees
 from plcgen.s7.types.address import Address
 
 _COLUMNS, _LONGEST = 4, 80
@@ -41,7 +42,7 @@ def check_symbols(project: Project, stated: Sequence[Wording], text: str) -> Ite
             continue  # told where tables are read
         name, address, comment = row[0].strip(), "".join(row[1].split()), row[3].strip()
         texts = wanted.get(address, frozenset({system[name]} if name in system else {""}))
-        cut = frozenset(unmarked(text.replace('"', "'"))[:_LONGEST].strip() for text in texts)
+        cut = frozenset(plain(text.replace('"', "'"))[:_LONGEST].strip() for text in texts)
         if not agrees(comment, cut | {""} if not comment.isascii() or not english else cut, english=english):
             yield number, f'{name} says "{comment}"; stated: {" or ".join(sorted(cut)) or "nothing"}'
         if [len(cell) for cell in row[1:]] != [12, 10, 80] or len(row[0]) < 24:

@@ -107,7 +107,7 @@ def overlapping(rig: StatedRig, pair: Sequence[StatedJob], unique: Unique) -> It
         rig.cpu[rig.path(job, "execute")] = True
     for _ in range(TOGETHER_SCANS):
         rig.cpu.scan()
-    asked = {telegram.identifier for telegram in device.heard}
+    asked = {(telegram.identifier, telegram.drive_object) for telegram in device.heard}
     if device.overlaps or len(asked) < len(pair):
         found = f"{device.overlaps} requests before the answer to another one, of {len(device.heard)}"
         yield Difference(pair[0].drive.place, f"one request at a time to unit {pair[0].drive.unit}", found)

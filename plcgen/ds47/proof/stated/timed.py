@@ -23,6 +23,8 @@ MARGIN_MS = 3000
 """How long before and behind the end of a wait between two saves a job is started; a minute is the shortest one."""
 MOST_OVER_MS = 3000
 """A record job that lasts 5 s longer than the timeout is given up (DRAIN_LIMIT)."""
+HOUR_MS = 3_600_000
+"""A clock starts over then, and the scan in which it does so does not count."""
 LATE_RETRY_MS = 30
 """How much longer than the pause it takes until WRREC has failed again, with scans of 1 ms."""
 MOST_QUESTIONS = 150
@@ -70,9 +72,14 @@ def silent(scene: Scene, *, too_long: bool) -> StatedRun:
     extra = min(job.timeout_ms // 10 + TELEGRAM_MS, MOST_OVER_MS)
     takes = job.timeout_ms + extra if too_long else job.timeout_ms - spare_ms(job)
     run.delay = lambda _kind: takes if next(first) == 0 else None
-    coarse = max(SCAN, min(job.timeout_ms // 40, LONGEST_SCAN))
+    coarse = max(SCAN, min(job.timeout_ms // 40, MOST_OVER_MS // (2 * (2 + starts_over(job.timeout_ms)))))
     run.idle = lambda: 0 if scene.device.calls else coarse
     return run
+
+
+def starts_over(passed: int) -> int:
+    """How often a clock starts over in so many ms, if not once more: that of an S7-1200/1500 once an hour."""
+    return passed // HOUR_MS
 
 
 def retried(scene: Scene) -> StatedRun:
@@ -94,7 +101,9 @@ def retried(scene: Scene) -> StatedRun:
         if scene.status(run, RETRIES, when="after all retries"):
             scene.demand(place, f"{job.retries} retries", f"{len(times) - 1}", good=len(times) == job.retries + 1)
             wrong = [gap for gap in gaps if not job.pause_ms <= gap <= job.pause_ms + LATE_RETRY_MS]
-            scene.demand(place, f"a pause of {job.pause_ms} ms", f"{wrong[:1]} ms", good=not wrong)
+            twice = [gap for gap in wrong if job.pause_ms < gap <= 2 * (job.pause_ms + LATE_RETRY_MS)]
+            good = wrong == twice[: starts_over(run.took)]
+            scene.demand(place, f"a pause of {job.pause_ms} ms", f"{wrong[:1]} ms", good=good)
 
     run = scene.run(ends, before=lambda: setattr(scene.device, "write_status", lambda: TEMPORARY_WRITE))
     run.pace = pace

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain
 
 from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.ds47.plan.access import Use, Verify
@@ -22,6 +23,7 @@ from plcgen.oracles.spec.ds47.state import shipped_statements, state_jobs
 from plcgen.oracles.spec.ds47.statement import FromInput, Number, Source, StatedAccess, StatedDrive, StatedJob
 from plcgen.oracles.spec.place import NotStatedError, SpecPlace
 from plcgen.project.spec import LoadedSpec
+from plcgen.proof.wording.model import unlike
 
 OUTPUT = 0x8000
 CODE = "PG614"
@@ -78,11 +80,27 @@ def groundless(plan: DrivePlan, stated: Stated) -> Iterator[Diagnostic]:
     planned = {(job.shape, job.drive.key): job for job in plan.jobs}
     for key, demanded in stated.jobs.items():
         job = planned.get(key)
-        found = ["no document has it"] if job is None else _of_job(job, demanded)
+        found = ["no document has it"] if job is None else chain(_of_job(job, demanded), _pinned(plan, job))
         yield from _problems(demanded.key, demanded.place, found)
     for key in planned:
         if key not in stated.jobs and key[0] not in stated.unstated:
             yield from _problems(key[0], SpecPlace(plan.loaded.file, 1), [f"documents have it for drive {key[1]}"])
+
+
+def _pinned(plan: DrivePlan, job: DriveJob) -> Iterator[str]:
+    """What the spec says of blocks, numbers and sizes."""
+    entry, telegram = plan.entry(job), job.telegrams[0]
+    yield from unlike("function block", entry.block.name, entry.block.number, job.block)
+    numbers = [("reference of the first request", entry.reference, telegram.request.data[0])]
+    for what, given, buffer in (
+        ("request", entry.request, telegram.request),
+        ("answer", entry.response, telegram.response),
+    ):
+        yield from unlike(f"data block of the {what}", given.name, given.db, buffer.db)
+        numbers.append((f"size of the {what}", given.size, buffer.size))
+    yield from (
+        f"the {what} is {found}, the spec says {said}" for what, said, found in numbers if said not in {None, found}
+    )
 
 
 def _problems(key: str, place: SpecPlace, found: Iterator[str] | list[str]) -> Iterator[Diagnostic]:

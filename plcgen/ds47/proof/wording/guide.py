@@ -14,7 +14,8 @@ from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
 from plcgen.ds47.proof.wording.grounds import Stated
 from plcgen.ds47.proof.wording.naming import labels, same_number
 from plcgen.oracles.spec.ds47.signing import SAFETY
-from plcgen.proof.wording.model import GuideLine, unmarked
+from plcgen.proof.folder import plain
+from plcgen.proof.wording.model import GuideLine
 
 OUTPUT, RECORD_47 = 0x8000, 47
 """Bit 15 of the ID of an output address, and of the data records of PROFINET; the data record of PROFIBUS."""
@@ -72,8 +73,8 @@ def behind(plan: DrivePlan, stated: Stated) -> list[GuideLine]:
 
 
 def _written(plan: DrivePlan, stated: Stated, job: DriveJob, use: Use) -> GuideLine:
-    front = unmarked(f"| {job.block.name} | {job.drive.key} | {labels(job)[use.position]} | {use.parameter.title} |")
-    end = unmarked(f"| {'; '.join(_notes(plan, stated, job, use))} |")
+    front = plain(f"| {job.block.name} | {job.drive.key} | {labels(job)[use.position]} | {use.parameter.title} |")
+    end = plain(f"| {'; '.join(_notes(plan, stated, job, use))} |")
 
     def accepts(text: str) -> bool:
         inside = text.removeprefix(front).removesuffix(end).strip()
@@ -153,8 +154,7 @@ def _one_value(use: Use, said: str, piece: bytes) -> bool:
         value = int(found["number"]) << 16 | int(found["object"] or SELF) << 10 | int(found["index"])
         return value == int.from_bytes(piece)
     if said.startswith("'"):
-        letter = said.strip("'") or "\\"  # a text without marks has lost its backslashes
-        return len(piece) == 1 and letter.encode("latin-1", "replace").endswith(piece)
+        return len(piece) == 1 and said[1:-1].encode("latin-1", "replace").endswith(piece)
     return same_number(said, use, piece)
 
 

@@ -23,8 +23,11 @@ class StatedLists:
         self._asked = [one for one in asked if _speaks(str(one.get("type") or ""), object_type)]
         self._lines, self._lent = lines, lent
 
-    def facts(self, number: int) -> dict[str, Any]:
-        """What they agree on; empty if none has the number."""
+    def facts(self, number: int, *, defined: bool = False) -> dict[str, Any]:
+        """What they agree on; empty if none has the number.
+
+        ``defined``: the spec says something of it too, to which gives way whether it can be written if nobody read it.
+        """
         found = [[*self._rows(one, number)] for one in self._asked]
         said = [_meant(row) for rows in found for row in rows]
         if not said:
@@ -35,7 +38,8 @@ class StatedLists:
         agreed["letter"] = "r" if any(one["letter"] == "r" for one in said) else "P"
         if all(found) and not self._lent and all(_own(one) for one in self._asked):
             return agreed
-        return {key: value for key, value in agreed.items() if key not in _ONLY_READ}
+        doubted = {*_ONLY_READ, *(["letter"] if defined else [])}
+        return {key: value for key, value in agreed.items() if key not in doubted}
 
     def name_it(self, number: int) -> bool:
         """Whether all lists that are this device's own have the number."""

@@ -74,7 +74,7 @@ class StatedCatalogue:
         self._defined = {_number(str(key)) for key in own}
         for key, facts in own.items():
             number = _number(str(key))
-            known = self.numbers.setdefault(number, self._lists.facts(number))
+            known = self.numbers.setdefault(number, self._lists.facts(number, defined=True))
             letter = _letter(str(key), facts or {}, known)
             known.update({name: value for name, value in (facts or {}).items() if value is not None}, letter=letter)
         self.names = {facts["name"]: number for number, facts in self.numbers.items() if facts.get("name")}

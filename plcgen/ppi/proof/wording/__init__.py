@@ -17,8 +17,9 @@ from plcgen.ppi.proof.wording import guide
 from plcgen.ppi.proof.wording.grounds import groundless
 from plcgen.ppi.proof.wording.meanings import asked_items, called, holds, of_answer, of_table
 from plcgen.project.nouns import PlannedJob
+from plcgen.proof.folder import plain
 from plcgen.proof.wording.comments import EMPTY
-from plcgen.proof.wording.model import GuideLine, Shown, agrees, held, unmarked, untitled
+from plcgen.proof.wording.model import GuideLine, Shown, agrees, held, untitled
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.types.names import shorten
 
@@ -266,7 +267,7 @@ def _texts(value: PpiValue) -> frozenset[str]:
     """What is said of a value: its address or symbol, and what the spec or the symbol table says about it."""
     said = {*value.comment.values()}
     said |= set() if any(map(held, said)) else {value.title, ""}
-    return frozenset(unmarked(f"{value.label} {text}") for text in said)
+    return frozenset(plain(f"{value.label} {text}") for text in said)
 
 
 def _said(comment: Mapping[str, str], own: str) -> frozenset[str]:
@@ -283,7 +284,7 @@ def _of_master(master: PlannedMaster) -> frozenset[str]:
 def _of_job(job: PpiJob) -> frozenset[str]:
     names = [value.label for value in job.values]
     what = f"{', '.join(names[:_MOST])}{', ..' if len(names) > _MOST else ''}"
-    own = unmarked(f"{_VERBS[job.kind]} {what} of {job.station.key}")
+    own = plain(f"{_VERBS[job.kind]} {what} of {job.station.key}")
     return _said(job.comment, own)
 
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain
 
 from plcgen.base.diagnostics import Diagnostic
 from plcgen.oracles.spec.place import Keys, NotStatedError
 from plcgen.oracles.spec.ppi.statement import SERVICES, PpiStatement, StatedAddress, StatedPort
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiValue
 from plcgen.ppi.proof.stated.rig import ports_of
+from plcgen.ppi.schema import PpiMaster, PpiSection
+from plcgen.proof.wording.model import unlike
 
 CODE = "PG614"
 Difference = tuple[Keys, str]
@@ -23,7 +26,20 @@ def groundless(plan: PpiPlan) -> Iterator[Diagnostic]:
     masters = {master.key: master for master in plan.masters}
     for key, port in ports.items():
         found = _of_master(masters[key], port) if key in masters else iter([(port.path, "no document has it")])
+        given = plan.loaded.sections(PpiSection).ppi[key]
+        found = chain(found, ((port.path, what) for what in _pinned(masters[key], given)) if key in masters else ())
         yield from (Diagnostic(CODE, f"{key}: {what}", plan.loaded.key_span(path)) for path, what in found)
+
+
+def _pinned(master: PlannedMaster, given: PpiMaster) -> Iterator[str]:
+    """What the spec says of blocks and numbers."""
+    yield from unlike("function block", given.block.name, given.block.number, master.block)
+    yield from unlike("instance", given.instance.name, given.instance.number, master.instance)
+    for job in master.jobs:
+        entry, telegram = given.jobs[job.key], job.telegrams[0]
+        yield from unlike(f"telegram of {job.key}", entry.request.name, entry.request.db, telegram.request.home)
+        if telegram.response is not None:
+            yield from unlike(f"answer of {job.key}", entry.response.name, entry.response.db, telegram.response.home)
 
 
 def _of_master(master: PlannedMaster, port: StatedPort) -> Iterator[Difference]:

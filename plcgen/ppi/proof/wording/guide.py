@@ -12,7 +12,8 @@ from typing import Any
 
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiPlan, PpiValue
 from plcgen.ppi.proof.words import GAP_BITS, LONGEST
-from plcgen.proof.wording.model import GuideLine, unmarked
+from plcgen.proof.folder import plain
+from plcgen.proof.wording.model import GuideLine
 
 
 @cache
@@ -65,7 +66,7 @@ def _writes(master: PlannedMaster) -> Iterator[GuideLine]:
         if job.kind in {"run", "stop"}:
             yield GuideLine(f"{front} CPU | {job.kind.upper()} |")
         for value in job.values if job.kind == "write" else ():
-            yield _written(unmarked(f"{front} {value.label} |"), value)
+            yield _written(plain(f"{front} {value.label} |"), value)
 
 
 def _written(front: str, value: PpiValue) -> GuideLine:
