@@ -147,7 +147,7 @@ def test_docker() -> None:
     needed = {
         project["project"]["readme"],
         *project["project"]["license-files"],
-        *wheel["packages"],
+        *wheel["only-include"],
         *wheel["force-include"],
     }
     assert copied == needed | {"pyproject.toml", ".ci/build.lock", ".ci/runtime.lock"}
