@@ -41,7 +41,8 @@ def tried(spec: dict[str, Any], folder: Path, effort: Effort = "none") -> frozen
         raise WrongError(f"generate: {_errors(made.diagnostics)}")
     for owned in spec["plc"].get("user_owned", ()):
         file = next(out.rglob(f"{owned}.scl"), out / owned)
-        file.write_bytes((file.read_bytes() if file.exists() else b"") + b"// mine\r\n")
+        if file.exists() or file.suffix:  # one source for all blocks has no file of the block
+            file.write_bytes((file.read_bytes() if file.exists() else b"") + b"// mine\r\n")
     again = api.generate(path, out, check_only=True)
     if not again.ok or again.diff:
         raise WrongError(f"generate --check: {again.diff[:300]} {_errors(again.diagnostics)}")
