@@ -65,7 +65,7 @@ def test_dependencies_are_imported() -> None:
     extras = [need for needs in project["optional-dependencies"].values() for need in needs]
     needs = (need for need in (*project["dependencies"], *extras) if not need.startswith("plcgen["))
     names = {re.split(r"[<>=]", need)[0] for need in needs}
-    module = {"PyYAML": "yaml", "pyserial": "serial", "python-snap7": "snap7"}
+    module = {"PyYAML": "yaml", "pyserial": "serial", "python-snap7": "snap7", "paho-mqtt": "paho"}
     used = {name for path in PACKAGE.rglob("*.py") for name in imported(path)}
     assert {module.get(name, name) for name in names} <= used
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -32,6 +33,7 @@ _UNITS = {"kb": 10**3, "mb": 10**6, "gb": 10**9}
     "plcgen ppi log 2:VD200:REAL 3:VW10 --out plant.sqlite --interval 5 --port COM3",
     "plcgen ppi log level:REAL --symbols press.csv --changes --deadband 0.5 --out level.jsonl --port COM3",
     "plcgen ppi log VW100 --out press.csv --rotate day --keep 30 --port socket://10.0.0.5:4000",
+    "plcgen ppi log VW100 M0.0 --out press.csv --mqtt mqtt://10.0.0.6/plant/press --port COM3",
 )
 @click.argument("words", nargs=-1, required=True, metavar="[STATION:]ADDRESS...")
 @click.option(
@@ -61,6 +63,12 @@ _UNITS = {"kb": 10**3, "mb": 10**6, "gb": 10**9}
 )
 @click.option("--rotate", metavar="WHEN", help="Begin a new file every hour, every day, or from a size on: 100MB.")
 @click.option("--keep", type=click.IntRange(1), metavar="N", help="With --rotate: remove all but N old files.")
+@click.option(
+    "--mqtt",
+    metavar="URL",
+    help="Publish each changed value, too: mqtt://[USER@]HOST[:PORT]/TOPIC, or mqtts://; password in "
+    "PLCGEN_MQTT_PASSWORD.",
+)
 @click.option("--count", type=click.IntRange(1), metavar="N", help="End after N reads.  [default: at Ctrl-C]")
 @line_options
 @cpu_option
@@ -75,6 +83,7 @@ def command(*, words: tuple[str, ...], file: Path, deadbands: tuple[str, ...], *
     from plcgen.ppi.log.files import opener
     from plcgen.ppi.log.keeping import Keeper
     from plcgen.ppi.log.logger import Clock, Logger, Pace
+    from plcgen.ppi.log.mqtt import Publisher, Target, paho_client
     from plcgen.ppi.log.rows import Channel, iso, require_columns
     from plcgen.ppi.log.stations import Stations
 
@@ -85,6 +94,8 @@ def command(*, words: tuple[str, ...], file: Path, deadbands: tuple[str, ...], *
         rows = zip(numbers, places, words, strict=True)
         channels = _with_deadbands([Channel(station, place, word.strip()) for station, place, word in rows], deadbands)
         require_columns(channels, ARGUMENTS)
+        target = Target.of(given["mqtt"]) if given["mqtt"] else None
+        broker = paho_client(target, os.environ) if target else None
         keeper = Keeper(file, opener(file, channels), iso, out.say, rotation)
     except DiagnosticError as problem:
         out.complain(problem.diagnostics, {ARGUMENTS: " ".join(plain)})
@@ -94,7 +105,12 @@ def command(*, words: tuple[str, ...], file: Path, deadbands: tuple[str, ...], *
     pace = Pace(given["interval"], given["changes"], given["heartbeat"])
     with until_signal() as ended:
         out.say(f"logging {len(channels)} values to {file}; Ctrl-C ends")
-        good = Logger(channels, stations, keeper, pace, clock, out.say).run(ended, given["count"])
+        if target:
+            publisher = Publisher(target, channels, broker, iso, out.say)
+            logger = Logger(channels, stations, keeper, pace, clock, out.say, publisher.add)
+            good = logger.run(ended, given["count"]) & publisher.close()
+        else:
+            good = Logger(channels, stations, keeper, pace, clock, out.say).run(ended, given["count"])
     if keeper.waiting:
         from plcgen.ppi.log.files import json_lines
 

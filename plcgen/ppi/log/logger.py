@@ -43,7 +43,7 @@ class Pace:
 
 
 class Logger:
-    """Logs until ``ended()`` is true. ``tell`` gets what people at the terminal want to know."""
+    """Logs until ``ended()`` is true. ``tell`` gets what people at the terminal want to know, ``publish`` every row."""
 
     def __init__(
         self,
@@ -53,9 +53,10 @@ class Logger:
         pace: Pace,
         clock: Clock,
         tell: Callable[[str], None],
+        publish: Callable[[Row], None] = lambda _: None,
     ) -> None:
         self._channels, self._stations, self._keeper = channels, stations, keeper
-        self._pace, self._clock, self._tell = pace, clock, tell
+        self._pace, self._clock, self._tell, self._publish = pace, clock, tell, publish
         self._since: dict[str, float] = {}
         self._last: Row | None = None
         self._before: float | None = None
@@ -84,6 +85,7 @@ class Logger:
             self._keeper.add(row)
         else:
             self._keeper.flush()
+        self._publish(row)
 
     def _row(self, now: float, answers: Answers) -> Row:
         before, self._before = self._before, now
