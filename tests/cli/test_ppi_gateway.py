@@ -26,7 +26,7 @@ SOON = 20.0
 @pytest.mark.skipif(os.name != "posix", reason="signals")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_it_serves_until_a_signal(tmp_path, number):
-    """The first line is the address, each write an object with who, what and result; read-only but for --allow-write."""
+    """The first line is the address, then a JSON object for each write; only what --allow-write names is written."""
     plc = Station(values={"VW100": 1234})
     with Serving(Bus([plc]), TcpServer("127.0.0.1:0")) as port:
         command = [sys.executable, "-m", "plcgen", "ppi", "gateway", "--port", port, "--tcp", "0", "--json"]
@@ -51,7 +51,7 @@ def test_it_serves_until_a_signal(tmp_path, number):
             finally:
                 running.kill()
     assert opened["line"].startswith("s7://127.0.0.1:")
-    assert (wrote["event"], wrote["write"], wrote["result"]) == ("write", "VB102[1] = 09", "ok")
+    assert (wrote["event"], wrote["write"], wrote["result"]) == ("write", "VB102 = 09", "ok")
     assert (running.returncode, out) == (0, ""), err
     assert "writes are passed on to VB102" in err
     assert "other machines" not in err
