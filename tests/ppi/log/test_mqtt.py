@@ -165,6 +165,22 @@ def test_the_end_says_what_the_broker_has_not_acknowledged():
     assert told[1] == "mqtt://broker:1883/plant/press: 1 message not acknowledged; the log has the values"
 
 
+def test_the_end_waits_for_a_connection_that_is_being_made():
+    """A log of one read may end before the broker has answered: it comes while the end waits, and gets everything."""
+    sink, fake = publisher()
+    sink.add(row(0, 7))
+
+    def now():
+        if not fake.sent:
+            fake.up()
+        fake.acknowledge()
+        return 0.0
+
+    assert sink.close(now)
+    assert fake.values() == [("00", 7, "good")]
+    assert fake.sent[-1] == ("state", "offline")
+
+
 class Refusal:
     """A reason code of paho."""
 
