@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from plcgen.base.display.table import Row, csv_table
 from plcgen.base.display.workbook import workbook_bytes
@@ -37,9 +37,9 @@ def table_documents(project: Project, seen: Overview, sources: SourceWriter) -> 
             names = (path.split("/")[1].removesuffix(".scl") for path in order)
             yield sources.table("compile.inp", "".join(f"{name}\n" for name in names))
     elif tags:
-        rows = [(tag.name, tag.type, f"%{tag.address}", voice_of(project).say(tag.text)) for tag in tags]
-        yield _sheet("tags.csv", ("Name", "Data Type", "Logical Address", "Comment"), rows)
-        yield _workbook(seen)
+        said = [tag._replace(text=voice_of(project).say(tag.text)) for tag in tags]
+        yield Document("tags.csv", text=tag_sheet(said), encoding="utf-8-sig")
+        yield Document("tags.xlsx", data=tag_workbook(seen.tags), experimental=WORKBOOK_NOTE)
     guides = [contribution.guide() for contribution in seen.contributions]
     view = {
         "project": project.name,
@@ -73,19 +73,24 @@ _TAGS = (
 WORKBOOK_NOTE = "the workbook was not imported into a TIA Portal"
 
 
-def _workbook(seen: Overview) -> Document:
-    """The tags as the editor of the TIA Portal exports and imports them.
+def tag_sheet(tags: Sequence[TagRow]) -> str:
+    """Tags as CSV."""
+    rows = [(tag.name, tag.type, f"%{tag.address}", tag.text) for tag in tags]
+    return csv_table(("Name", "Data Type", "Logical Address", "Comment"), rows, ";")
+
+
+def tag_workbook(tables: Mapping[str, Sequence[TagRow]]) -> bytes:
+    """The tags by table as the editor of the TIA Portal exports and imports them.
 
     Sheet, columns and cells are those of public exports (github.com/AoufNihed/PLC, github.com/Canabis220/Robot), which
     all carry the property TIA_Version: the help of the TIA Portal says that an import without it fails.
     """
     rows = [
         (tag.name, table, tag.type, f"%{tag.address}", tag.text, "True", "True", "True", "", "")
-        for table, tags in seen.tags.items()
+        for table, tags in tables.items()
         for tag in tags
     ]
-    data = workbook_bytes({"PLC Tags": [_TAGS, *rows]}, {"TIA_Version": "1.0"})
-    return Document("tags.xlsx", data=data, experimental=WORKBOOK_NOTE)
+    return workbook_bytes({"PLC Tags": [_TAGS, *rows]}, {"TIA_Version": "1.0"})
 
 
 def _foreign(project: Project) -> Iterator[tuple[str, str, str]]:

@@ -260,6 +260,8 @@ def _results() -> dict[str, Shape]:
     station = {"station": NUMBER}
     difference = record(address=TEXT, backup=hexadecimal(), now=hexadecimal())
     backup = {**station, "cpu": TEXT, "time": TEXT, "memory": many(TEXT), "differences": many(difference)}
+    way = one_of("member", "part", "bytes", "tag", "none")
+    symbol = record(symbol=TEXT, address=TEXT, type=TEXT, way=way, read=TEXT, write=TEXT, note=TEXT)
     row = {"telegram": NUMBER, "length": NUMBER, "hex": hexadecimal()}
     device = record(
         key=TEXT, title=TEXT, source=TEXT, drive_object=NUMBER, parameters=many(TEXT),
@@ -292,6 +294,9 @@ def _results() -> dict[str, Shape]:
         "ppi compare": _headed("ppi compare", FOUND, backup),
         "ppi restore": _headed("ppi restore", FOUND, backup),
         "ppi info": _headed("ppi info", FOUND, {**station, "type": TEXT, "firmware": TEXT, "text": TEXT}),
+        "ppi migrate": _headed(
+            "ppi migrate", FOUND, {"folder": TEXT, "written": many(TEXT), "symbols": many(symbol)}
+        ),
         "ppi mode": _headed("ppi mode", FOUND, {**station, "mode": one_of("RUN", "STOP")}),
         "ppi monitor": _headed("ppi monitor", FOUND),
         "ppi requests": _headed("ppi requests", {**FOUND, "telegrams": many(record(request=TEXT, **row))}),

@@ -41,6 +41,7 @@ SECTIONS: Sections = (
         "For other programs",
         (("gateway", "Let S7 clients reach an S7-200 over TCP (ISO-on-TCP)."),),
     ),
+    ("Replace", (("migrate", "Turn a symbol table into blocks and tags of an S7-1200."),)),
     ("Simulate", (("serve", "Simulate an S7-200 on a pseudo terminal, serial port or TCP port."),)),
 )
 
