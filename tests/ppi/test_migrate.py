@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 import time
 
@@ -174,6 +175,9 @@ def test_symbols_share_memory_as_in_the_s7_200(rows, data):
         else:
             (expected,) = struct.unpack_from(FORMS[read], memory, place // 8)
         got = bench.cpu[f"R.r{number}"]
+        if read == "REAL" and math.isnan(expected):  # its payload may change on the way
+            assert math.isnan(got)
+            continue
         assert struct.pack(FORMS.get(read, "?"), got) == struct.pack(FORMS.get(read, "?"), expected)
 
 
