@@ -78,7 +78,7 @@ def test_each_symbol_of_a_table():
         "Mem": ("tag", "INT", ""),
         "Words": ("none", "WORD", "a tag at an address is no array: make one tag per element"),
         "High": ("none", "BYTE", "M of an S7-1200 ends with byte 8191"),
-        "T_on": ("none", "", "timers of an S7-1200 are instances of TON, TOF or TONR: program it anew"),
+        "T_on": ("none", "", "timers of an S7-1200 are instances of TON, TOF or TONR: use one of them"),
         "An": ("none", "", "analog inputs have other addresses in an S7-1200: from its device configuration"),
         "Beyond": ("none", "BYTE", "a data block ends with byte 65533"),
     }

@@ -36,8 +36,8 @@ SIZES = {type_: size for size, types in TYPES.items() for type_ in types}
 _STATED = re.compile(r"[\[(]?(BOOL|BYTE|WORD|INT|DWORD|DINT|REAL)\b")
 _REWIRE = "the address is kept; inputs and outputs lie elsewhere: rewire it"
 _GONE = {
-    Area.T: "timers of an S7-1200 are instances of TON, TOF or TONR: program it anew",
-    Area.C: "counters of an S7-1200 are instances of CTU, CTD or CTUD: program it anew",
+    Area.T: "timers of an S7-1200 are instances of TON, TOF or TONR: use one of them",
+    Area.C: "counters of an S7-1200 are instances of CTU, CTD or CTUD: use one of them",
     Area.HC: "high-speed counters of an S7-1200 are configured: their value is an input ID1000 and so on",
     Area.AI: "analog inputs have other addresses in an S7-1200: from its device configuration",
     Area.AQ: "analog outputs have other addresses in an S7-1200: from its device configuration",
