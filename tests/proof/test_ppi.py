@@ -405,6 +405,11 @@ ORDINARY = {
         "ppi: {rechen_und_sandfang: {module: cp341, address: 256, stations: {rechengutwaschpresse: {address: 2}}, "
         "jobs: {fernquittierung_der_stoerungen: {station: rechengutwaschpresse, write: {M4.0: null}}}}}\n"
     ),
+    "a comment of an item that says other numbers in another language": (
+        "plc: {name: t, family: s7-300, toolchain: tia-v19, languages: [fr-FR, en-US]}\n"
+        "ppi: {line: {module: cp341, address: 256, stations: {s: {address: 2}}, jobs: {state: {station: s, "
+        'read: [{item: C153, comment: {fr-FR: plein, en-US: "100 % of $1 & <2>"}}]}}}}\n'
+    ),
     "one constant for all elements of an array": (
         "plc: {name: t, family: s7-1200, toolchain: tia-v19}\n"
         "ppi: {line: {module: cm1241, port: 270, stations: {s: {address: 2}}, "

@@ -24,6 +24,8 @@ _TABLES = ("SW.Tags.", "SW.WatchAndForceTables.")
 _KNOWN = frozenset({"Name", "DataTypeName", "LogicalAddress", "Culture", "Text"})
 """Attributes of tables: rows of a watch table have a name only, the TIA Portal refuses others."""
 _PARAMETERS = re.compile(r"\b[rP][0-9]")
+_ADDRESS = re.compile(r"(?:.*: )?[A-Z]{1,2}[A-Z]?[0-9]+[0-9.\[\]]* ")
+"""``C153``, ``state: VB100[2]``: what stands in front of the comment of an item."""
 _FIXED = {"SetENOAutomatically": "false", "Namespace": ""}
 
 
@@ -127,12 +129,12 @@ def _alike(base: str, line: str) -> bool:
 
 
 def _holds(whole: str, part: str) -> bool:
-    """Whether a comment of the spec is a text, or stands behind a parameter or a colon in it."""
+    """Whether a comment of the spec is a text, or stands in it after a parameter, an address or a colon."""
     whole, part = untitled(whole), untitled(part)
     if not part or part not in whole:
         return False
     front, _, rest = whole.partition(part)
-    return (not front or front.endswith(": ") or front.strip()[:1] in {"r", "P"}) and (
+    return (not front or front.endswith(": ") or front[:1] in {"r", "P"} or _ADDRESS.fullmatch(front) is not None) and (
         not rest or rest[:2] in {" [", " ("}
     )
 
