@@ -36,7 +36,7 @@ def generated_example(name: str) -> Path:
 def per_block(text: str) -> str:
     """A spec whose blocks are a file each."""
     assert "plc: {" in text
-    return text.replace("plc: {", "plc: {sources: per_block, ", 1)
+    return text if "sources: per_block" in text else text.replace("plc: {", "plc: {sources: per_block, ", 1)
 
 
 @cache
