@@ -12,7 +12,7 @@ from plcgen.cli import config
 from plcgen.ds47.profile import PROFILE
 from plcgen.ds47.recording import faults as drive_faults
 from plcgen.ds47.sim.load import load_drive
-from plcgen.ppi.recording import faults as line_faults
+from plcgen.ppi.recording import recording as line_faults
 from plcgen.ppi.sim.load import load_bus
 from plcgen.project.editor import file_schema
 from plcgen.project.loading import parse_spec

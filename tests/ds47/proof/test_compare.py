@@ -47,7 +47,7 @@ def run(plant: Plant, key: str, held: dict[int, list[float]], faults: tuple[Faul
 
 
 def listed(plant: Plant, key: str) -> list[tuple[float, ...]]:
-    """The entries, without the empty places behind them, which are looked at here."""
+    """The entries, without the empty places after them, which are looked at here."""
     job = job_of(plant, key)
     path = f'"DriveJobs".{job.member}'
     count, places = plant.cpu[f"{path}.deviationCount"], job.deviations.places

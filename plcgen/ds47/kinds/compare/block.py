@@ -36,7 +36,7 @@ def deviation_values(plan: DrivePlan, job: DriveJob) -> Iterator[CallerValue]:
     shown = (("parameter", "DEC"), ("found", "FloatingPoint"))
     places = range(1, min(found.places, _WATCHED) + 1)
     watched = tuple((f"[{place}].{name}", format_) for place in places for name, format_ in shown)
-    text = "values that deviate, empty places behind them"
+    text = "values that deviate, empty places after them"
     yield CallerValue(plain(plan, found.member, type_, text), watched)
     text = "how many values deviate, those without a place too"
     yield CallerValue(plain(plan, found.count, words["INT"], text), (("", "DEC"),))

@@ -27,7 +27,7 @@ def list_values(plan: DrivePlan, job: DriveJob) -> Iterator[CallerValue]:
         return
     words = type_words(tia=not plan.target.v5)
     type_ = f'{words["ARRAY"]}[1..{found.places}] {words["OF"]} "{found.type.name}"'
-    text = "the latest first, empty places behind them"
+    text = "the latest first, empty places after them"
     if found.places > PLACES:
         text = f"{PLACES} places for those that are present, {PLACES} for each group of the history; in each {text}"
     watched = tuple((f"[{place}].code", "DEC") for place in range(1, PLACES + 1))
