@@ -119,7 +119,7 @@ class Run(Generic[S]):
             _, done, error, _ = self.seen
             if done or error:
                 break
-            if self.passed > latest or self.scans > MAX_SCANS:
+            if self.passed > latest or self.scans > MAX_SCANS + latest:
                 self.statistics.hangs += 1
                 raise ScenarioError(f"still {self.conduct.where()} after {latest} ms")
         self.statistics.runs += 1

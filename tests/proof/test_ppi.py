@@ -405,6 +405,11 @@ ORDINARY = {
         "ppi: {rechen_und_sandfang: {module: cp341, address: 256, stations: {rechengutwaschpresse: {address: 2}}, "
         "jobs: {fernquittierung_der_stoerungen: {station: rechengutwaschpresse, write: {M4.0: null}}}}}\n"
     ),
+    "a timeout of minutes at a module that hangs": (
+        "plc: {name: t, family: s7-300, toolchain: step7-v5, cpu: 312}\n"
+        "ppi: {line: {module: cp341, address: 256, ob1_cycle: 150ms, stations: {s: {address: 2}}, "
+        "jobs: {a: {station: s, read: [VB0], timeout: 2min}}}}\n"
+    ),
     "a comment of an item that says other numbers in another language": (
         "plc: {name: t, family: s7-300, toolchain: tia-v19, languages: [fr-FR, en-US]}\n"
         "ppi: {line: {module: cp341, address: 256, stations: {s: {address: 2}}, jobs: {state: {station: s, "
