@@ -19,7 +19,7 @@ from plcgen.project.resolve import resolve
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.execution import check_execution
 from plcgen.proof.sharing import Sharing
-from tests.projects import FAQ, MM4, SPECS, TARGETS, every_type, retargeted
+from tests.projects import FAQ, MM4, SPECS, TARGETS, every_type, per_block, retargeted
 
 PROJECTS = {
     **{f"every type {target}": every_type(target) for target in ("v5", "t15")},
@@ -189,7 +189,7 @@ DAMAGE = {
 def test_damage_is_found(name: str, tmp_path: Path) -> None:
     """Whatever is changed in a job or in the caller: a scenario fails and says what is wrong."""
     block, line, old, new, said = DAMAGE[name]
-    project, folder = generated(tmp_path, PLANT)
+    project, folder = generated(tmp_path, per_block(PLANT))
     source = folder / "scl" / f"{block}.scl"
     text = source.read_text(encoding="utf-8-sig")
     at = text.index(line) if line else 0
@@ -206,7 +206,7 @@ def test_damage_is_found(name: str, tmp_path: Path) -> None:
 
 def test_dead_code_is_reported(tmp_path: Path) -> None:
     """A statement that no scenario reaches is an error with its line."""
-    project, folder = generated(tmp_path, FAQ.read_text(encoding="utf-8"))
+    project, folder = generated(tmp_path, per_block(FAQ.read_text(encoding="utf-8")))
     source = folder / "scl" / "ReadRampUp.scl"
     text = source.read_text(encoding="utf-8-sig")
     dead = "#busy := #statTicket.busy;"
@@ -221,7 +221,7 @@ def test_dead_code_is_reported(tmp_path: Path) -> None:
 
 def test_a_source_that_does_not_compile_is_an_error(tmp_path: Path) -> None:
     """Nothing is executed, and the compiler's diagnostic is the check's."""
-    project, folder = generated(tmp_path, FAQ.read_text(encoding="utf-8"))
+    project, folder = generated(tmp_path, per_block(FAQ.read_text(encoding="utf-8")))
     source = folder / "scl" / "ReadRampUp.scl"
     source.write_text(
         source.read_text(encoding="utf-8").replace(":= #statTicket.status;", ":= #noSuchName;"), encoding="utf-8"

@@ -20,6 +20,7 @@ from plcgen.proof.rig import ProgramBench
 from plcgen.proof.scenario import Failure
 from plcgen.proof.suite import Suite
 from plcgen.s7.cpu.cpu import Cpu
+from tests.projects import per_block
 
 PLANT = """
 plc: {name: Plant, family: s7-1500, toolchain: tia-v19}
@@ -85,7 +86,7 @@ def made(text: str) -> Path:
     """A spec and its files, generated once per process."""
     folder = Path(tempfile.mkdtemp(prefix="plcgen-promises-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    (folder / "job.yaml").write_text(text, encoding="utf-8")
+    (folder / "job.yaml").write_text(per_block(text), encoding="utf-8")
     assert api.generate(folder / "job.yaml", folder / "out").ok
     return folder
 

@@ -21,7 +21,7 @@ def test_everything_can_be_done_for_every_version(toolchain: str, family: str, t
     """Generate, verify, convert in both directions where there are documents, lock: nothing is wrong."""
     spec, out = tmp_path / "fan.yaml", tmp_path / "out"
     spec.write_text(
-        f"plc: {{name: Fan, family: {family}, toolchain: {toolchain}}}\n"
+        f"plc: {{name: Fan, family: {family}, toolchain: {toolchain}, sources: per_block}}\n"
         f"drives: {{fan: {{device: sinamics-s120, {FAMILIES[family]}: 270}}}}\n"
         "jobs: {speed: {drive: fan, read: [r21], trigger: M5.0}}\n",
         "utf-8",

@@ -10,7 +10,7 @@ import pytest
 import plcgen
 from plcgen.build.convert import file_name
 from plcgen.s7.xml.reading.invariants import check_invariants
-from tests.projects import ROOT
+from tests.projects import ROOT, per_block_spec
 from tests.xsd_support import validate_islands
 
 EXAMPLE = ROOT / "examples/s7-1500_g120_pn/expected"
@@ -51,7 +51,8 @@ def put(folder: Path, **texts: str) -> list[Path]:
 @pytest.mark.parametrize("version", ["V14 SP1", "V15", "V15.1", "V16", "V17", "V18", "V19", "V20", "V21"])
 def test_a_generated_folder_both_ways(version: str, tmp_path: Path) -> None:
     """Text to documents of every version and back: the same text; the documents keep the rules of exports."""
-    sources = [EXAMPLE / name for name in ("udt", "db", "scl")]
+    made = per_block_spec("s7-1500_g120_pn").parent / "out"
+    sources = [made / name for name in ("udt", "db", "scl")]
     there = plcgen.convert(*sources, to="xml", out=tmp_path / "xml", version=version)
     assert (there.diagnostics, len(there.written)) == ((), 24)
     for name in there.written:

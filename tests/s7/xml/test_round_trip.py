@@ -25,7 +25,7 @@ from plcgen.s7.xml.versions import VERSIONS
 from plcgen.s7.xml.writing.documents import Setting, document
 from plcgen.s7.xml.writing.scope import BlockScope
 from plcgen.s7.xml.writing.structured_text import elements, numbered
-from tests.projects import ROOT, SPECS, TARGETS, every_type
+from tests.projects import ROOT, SPECS, TARGETS, every_type, per_block
 from tests.s7.xml.codes import SETTING, back, exact, meant, network, read_code, wrapped
 from tests.s7.xml.test_structured_text import CASES
 from tests.yaml_files import read_yaml
@@ -49,7 +49,7 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path,
     specs |= {target: every_type(target) for target in ("t3", "t15", "t12")}
     assert {TARGETS[t][0] for t in ("t3", "t15", "t12")} == {"s7-400", "s7-1500", "s7-1200"}
     for name, text in specs.items():
-        (base / f"{name}.yaml").write_text(text, "utf-8")
+        (base / f"{name}.yaml").write_text(per_block(text), "utf-8")
         assert api.generate(base / f"{name}.yaml", base / name).ok
     return {name: (base / name, re.search("family: s7-[34]00", text) is not None) for name, text in specs.items()}
 
