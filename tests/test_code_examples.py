@@ -72,6 +72,12 @@ NOT_RUN = {
     ("PG722", "good"): "it serves until somebody ends it",
     ("PG723", "bad"): "it installs a package",
     ("PG723", "good"): "it installs a package",
+    **{("PG725", which): "it keeps values until somebody ends it" for which in ("bad", "good")},
+    **{
+        (code, which): "it needs a backup of the station: tests/cli/test_ppi_backup.py"
+        for code in ("PG726", "PG727")
+        for which in ("bad", "good")
+    },
     ("PG902", "bad"): "there would have to be a bug",
 }
 """Why an example is only parsed."""
