@@ -116,3 +116,9 @@ def test_an_own_profile_has_the_messages_of_the_device_that_it_is_like(tmp_path:
         "utf-8",
     )
     assert find_device(str(profile)).messages == ("g120c",)
+
+
+def test_the_page_counts_the_meanings() -> None:
+    """docs/devices.md: a line of the table is a meaning."""
+    page = (Path(__file__).parents[2] / "docs/devices.md").read_text("utf-8")
+    assert f"{sum(1 for _ in messages.all_messages(messages.FAMILIES)):,} meanings" in page

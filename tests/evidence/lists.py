@@ -20,8 +20,6 @@ from tests.evidence.effects import read_rows
 
 OBJECTS = re.compile(r"VECTOR(_G)?|SERVO|DC_CTRL|[ASB]_INF|CU_(S120|S150|G130|G150)|CU_DC|TM[0-9]+(DI_DO)?|TB30")
 """Drive objects that a profile has, without the fieldbus of a control unit and without function modules."""
-ON_WIRE = {"r948": "TimeDifference", "r965": "OctetString[2]"}
-"""Types that a drive answers with instead of those of the list (manuals of S120; the list of TM41 says it too)."""
 BY_PACKAGE = {"sdrpa400": "s210_fw5", "sdrpa401": "s210_fw6"}
 """Lists whose file is named after the other firmware: 400 begins with version 5.1, 401 with 6.1."""
 _NUMBER = re.compile(r"-?[0-9]+(\.[0-9]+)?(E[+-]?[0-9]+)?\Z")
@@ -72,7 +70,8 @@ def _array(row: Mapping[str, str]) -> str:
 def kept(row: Mapping[str, str]) -> list[str]:
     """One parameter of a list as the package has it, in the order of ``lists.COLUMNS``."""
     listed, _, signal = row["type"].partition(" / ")
-    fmt = ON_WIRE.get(f"{row['letter']}{row['number']}", "FloatingPoint" if listed == "FloatingPoint32" else listed)
+    said = "FloatingPoint" if listed == "FloatingPoint32" else listed
+    fmt = lists.ON_WIRE.get(int(row["number"]), said)
     strange = fmt.startswith("OctetString")
     low, high, default = ("" if strange else number(row[key], fmt) for key in ("min", "max", "default"))
     if signal and default != "0":

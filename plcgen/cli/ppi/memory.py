@@ -34,7 +34,7 @@ _SHOWN, _BYTES = 20, 8
 @click.argument("words", nargs=-1, required=True, metavar="ADDRESS[N]...")
 @line_options
 @symbols_option
-@output_option()
+@output_option("--out")
 def backup(*, words: tuple[str, ...], symbols: str | None, output: Path | None, **given: Any) -> int:
     """Read memory into a file with station, CPU type and time; restore and compare take it.
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from plcgen.base.diagnostics.counting import quantity
 from plcgen.cli.options import PATH, console, force_option, format_option, verb
 from plcgen.cli.ppi.connection import ask
 
@@ -77,8 +78,13 @@ def _answer(plan: Migration, target: Path, written: tuple[str, ...]) -> Answer:
     def text(view: View) -> str:
         from plcgen.base.display.table import text_table
 
-        counts = (("member", "members of V"), ("part", "parts of members"), ("bytes", "in bytes"), ("tag", "tags"))
-        said = ", ".join(f"{ways[way]} {name}" for way, name in counts)
+        counts = (
+            quantity(ways["member"], "member of V", "members of V"),
+            quantity(ways["part"], "part of a member", "parts of members"),
+            f"{ways['bytes']} in bytes",
+            quantity(ways["tag"], "tag"),
+        )
+        said = ", ".join(counts)
         lines = [f"{target}: {said}, {ways['none']} not migrated"]
         noted = [(name, address, way, note) for name, address, _, way, _, _, note in rows if note]
         if noted:

@@ -13,6 +13,7 @@ from plcgen.ds47 import guards
 from plcgen.ds47.catalogue.lists import ListedParameter, ParameterList, cell_text
 from plcgen.ds47.catalogue.pages import label, told_value
 from plcgen.ds47.device import UNKNOWN, Device, DeviceList, Fact, Grade, Parameter, facts
+from plcgen.ds47.lists import ON_WIRE
 from plcgen.ds47.types import TypeTextError, read_type
 from plcgen.ds47.wire import formats
 from plcgen.ds47.wire.formats import Format, FormatKind, FormatValueError
@@ -20,8 +21,6 @@ from plcgen.ds47.wire.formats import Format, FormatKind, FormatValueError
 NEW = "new"
 _LIST_TYPES = {"floatingpoint32": "FloatingPoint"}
 """How lists call a type that has another name on the wire."""
-NOT_ON_WIRE = {948, 965}
-"""Numbers whose type in lists is another one than in a drive's answer (manuals of S120; LAcycCom reads them so)."""
 _NUMERIC = {FormatKind.SIGNED, FormatKind.UNSIGNED, FormatKind.FLOAT}
 
 
@@ -88,7 +87,7 @@ def _stated(base: Parameter, one: ListedParameter, skipped: list[str]) -> Iterat
     if one.indexes is not None and one.indexes > max(base.array or 1, 1):
         yield "array", one.indexes  # the highest index that a list shows is the least that there is
     type_ = _type(one)
-    if type_ and one.pnu not in NOT_ON_WIRE:
+    if type_ and one.pnu not in ON_WIRE:
         yield "type", type_
     fmt = read_type(type_ or base.type)[0] if type_ or base.type else None
     low, high = one.minimum, one.maximum

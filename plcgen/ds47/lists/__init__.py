@@ -19,6 +19,8 @@ COLUMNS = (
     "changeable", "values", "bits", "indexes",
 )  # fmt: skip
 FOLDER = Path(__file__).parent
+ON_WIRE = {948: "TimeDifference", 965: "OctetString[2]"}
+"""Types that a drive answers with instead of those that lists print (manuals of S120; the list of TM41 says it too)."""
 ALL = "ALL"
 """What stands for every drive object."""
 

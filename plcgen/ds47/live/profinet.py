@@ -15,6 +15,7 @@ import time
 import uuid
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from types import TracebackType
 from typing import Protocol, Self, TypeVar
 
@@ -211,7 +212,7 @@ class PnConnection:
         handle = bytes(20)
         for _ in range(_ENTRIES):
             body, order = self._exchange(rpc.LOOKUP, rpc.ENDPOINT_MAPPER, pnio.encode_lookup(self._order, handle))
-            found = self._read(lambda body=body, order=order: pnio.decode_found(body, order))  # type: ignore[misc]
+            found = self._read(partial(pnio.decode_found, body, order))
             device = next((one.object for one in found.entries if one.interface == IO_DEVICE), None)
             if device is not None:
                 return device
@@ -268,7 +269,7 @@ class PnConnection:
                     receipt = rpc.acknowledgement(packet)
                     if receipt is not None:
                         self.link.send(rpc.encode_packet(replace(receipt, object=request.object)))
-                    whole = self._read(lambda packet=packet: assembly.add(packet))  # type: ignore[misc]
+                    whole = self._read(partial(assembly.add, packet))
                     if whole is not None:
                         return whole, packet.order
         except OSError as problem:

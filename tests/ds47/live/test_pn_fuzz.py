@@ -93,10 +93,14 @@ def test_the_device_serves_in_the_midst() -> None:
     chance = random.Random(3)  # noqa: S311 - a sample, no secret
     device = PnDevice(drive(), room=4)
     sent: list[bytes] = []
+    others: list[bytes] = []
 
     def there(_at: int, data: bytes) -> list[bytes]:
         sent.append(data)
         strange = [damaged(chance, chance.choice(sent)) for _ in range(3)]
+        others.extend(one for one in strange if one[40:56] != data[40:56])
         return [*(one for one in strange if one[40:56] != data[40:56]), data]
 
-    _talk(Wire(device, there=there), "little")
+    _talk(Wire(device, there=there), "little")  # ends with an error if an answer is missing or wrong
+    assert others
+    assert len(sent) >= 4, "connection, a read, a change, release"
