@@ -168,7 +168,8 @@ def _sorted(paths: tuple[Path, ...], out: Console, *, program: bool) -> tuple[li
         if suffix in YAML_SUFFIXES or (not folder and not suffix):
             specs.append(path)
             continue
-        from plcgen.cli.specs import Below, specs_below, tell
+        from plcgen.cli.specs import tell
+        from plcgen.project.below import Below, specs_below
         from plcgen.s7.cpu.sources import SUFFIXES, find_documents, find_sources
         from plcgen.s7.read.text import SD_SUFFIXES
 

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from plcgen.base.diagnostics import Diagnostic, Span
+from plcgen.base.telegrams.hexbytes import HexError, HexText, hex_problem, parse_hex, strip_comment
 from plcgen.cli.arguments import ARGUMENTS
-from plcgen.cli.hexbytes import STDIN, HexError, HexText, hex_problem, parse_hex, read_stdin, strip_comment
+from plcgen.cli.hexbytes import STDIN, read_stdin
 from plcgen.cli.options import console, format_option, verb
 from plcgen.cli.output import PROBLEMS
 

@@ -10,8 +10,8 @@ import click
 from plcgen.cli.completed import toolchains
 from plcgen.cli.options import PATH, console, device_option, force_option, verb
 from plcgen.cli.output import OK
-from plcgen.cli.starter import KINDS, RECIPES, ppi_starter, starter, usable
 from plcgen.s7.types.families import FAMILIES
+from plcgen.workbench.starter import KINDS, RECIPES, ppi_starter, starter, usable
 
 if TYPE_CHECKING:
     from plcgen.ds47.device import Device

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from plcgen.cli.starter import KINDS
+from plcgen.workbench.starter import KINDS
 
 DEVICES = ("sinamics-s120", "sinamics-g120", "sinamics-dcm", "micromaster-4")
 

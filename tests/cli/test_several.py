@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from plcgen.cli.specs import specs_below
+from plcgen.project.below import specs_below
 from tests.projects import ROOT
 
 
@@ -161,7 +161,7 @@ def test_a_folder_that_cannot_be_read(plcgen, machines, monkeypatch, verb):
 @pytest.mark.usefixtures("machines")
 def test_too_many_files_to_look_at(plcgen, monkeypatch):
     """Specs behind the bound would be passed over."""
-    monkeypatch.setattr("plcgen.cli.specs.MAX_SEEN", 3)
+    monkeypatch.setattr("plcgen.project.below.MAX_SEEN", 3)
     result = plcgen("generate", "machines")
     assert result.code == 1
     assert "PG802" in result.err

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
+from plcgen.base.telegrams.hexbytes import HexError, parse_hex
 from plcgen.cli import hexbytes
-from plcgen.cli.hexbytes import HexError, parse_hex
 
 READ = "03 01 02 01 10 01 C4 7F 00 00"
 """FAQ 109750712, figure 5-1."""

@@ -11,7 +11,7 @@ import pytest
 
 from plcgen import api
 from plcgen.base.diagnostics import Report
-from plcgen.cli.specs import specs_below
+from plcgen.project.below import specs_below
 from plcgen.project.includes import MAX_FILES, MAX_LEVELS
 from plcgen.project.loading import load_spec
 from plcgen.project.opening import open_spec

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from plcgen.base.diagnostics import Diagnostic, Span
-from plcgen.cli.hexbytes import HexError, HexText, hex_problem, parse_hex, strip_comment
+from plcgen.base.telegrams.hexbytes import HexError, HexText, hex_problem, parse_hex, strip_comment
 from plcgen.ppi.texts import StreamPiece
 from plcgen.ppi.wire.fdl import SD1, SD2, SD3, SD4
 from plcgen.ppi.wire.stream import split
