@@ -126,10 +126,20 @@ SPECS: dict[str, dict[str, Any]] = {
         "jobs: {j: {drive: a, activate: input}}",
         device="sinamics-g150",
     ),
+    "what is waited for follows an input whose limits are nobody's": spec(
+        S1200, FLOAT, "jobs: {j: {drive: a, activate: input}}", device="./alike.yaml"
+    ),
     "a job with data blocks of its own beside another one": spec(
         S400, FLOAT, f"jobs: {{i: {{drive: a, write: {{P43000: null}}, buffers: db}}, j: {{drive: a, {READ}}}}}"
     ),
 }
+for word, slow in (("E5", "ack_timeout: 3000ms, polls: 1"), ("a reply", "reply_timeout: 5s")):
+    SPECS[f"a master whose job ends before it stops waiting for {word}"] = yaml.safe_load(f"""
+plc: {{name: P, {S1500}}}
+ppi:
+  line: {{module: cm-ptp, {slow}, port: 271, baud: 19200, stations: {{s: {{address: 2}}}},
+         jobs: {{w: {{station: s, read: [VW20], timeout: 2s}}}}}}
+""")
 
 
 @pytest.mark.slow

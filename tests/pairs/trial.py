@@ -37,6 +37,7 @@ def tried(spec: dict[str, Any], folder: Path, effort: Effort = "none") -> frozen
     if refused:
         return frozenset(one.code for one in refused)
     out = folder / "spec_generated"
+    shutil.rmtree(out, ignore_errors=True)  # another spec's files in it are nobody's that are asked about here
     if not (made := api.generate(path, out, force=True)).ok:
         raise WrongError(f"generate: {_errors(made.diagnostics)}")
     for owned in spec["plc"].get("user_owned", ()):

@@ -32,8 +32,9 @@ def _come(use: Use, value: Value, item: DriveObject, first: int) -> Value:
     wanted = unpack_values(fmt, 1, use.data)[0]
     if awaited is None:
         return value
-    if awaited.follows:  # a drive object is active if it has been told so (1), and is not otherwise (0, 2)
-        return int(item.parameters[first].values[0] == 1)
+    if awaited.follows:  # told 1, it is active, told 0 or 2 it is not; where no list limits it, bit 0 counts
+        told = item.parameters[first].values[0]
+        return told & 1 if isinstance(told, int) else 0
     if awaited.bit is not None:
         mask = 1 << awaited.bit
         own = int.from_bytes(pack_values(fmt, [value])) & ~mask

@@ -90,6 +90,7 @@ class End:
         """Errors per address and the details for the maintenance engineer."""
         rig, scenario, job = self.rig, self.scenario, self.job
         errors = scenario.errors if status == WORDS["ITEM_ERROR"] else {}
+        out_of_time = status == WORDS["TIMEOUT"]
         for position, word in enumerate(rig.errors(), 1):
             wanted = errors.get(position, 0)
             if word != wanted:
@@ -97,7 +98,8 @@ class End:
         expected = {
             "failedItem": min(errors, default=0),
             "headerError": scenario.header if status == WORDS["REFUSED"] else 0,
-            "moduleStatus": scenario.module,
+            # a job whose time is over may never have got as far as the failure of its module
+            "moduleStatus": rig.db.get("moduleStatus") and scenario.module if out_of_time else scenario.module,
             "job": job.number,
             "state": 0,
         }

@@ -43,8 +43,8 @@ def _activate_steps(settings: ActivateSettings) -> Iterator[StepItem]:
     """Two steps: the drive object is told, and it is waited until it says so."""
     given = settings.state == "input"
     value = {"not_present": 2, "input": 1}.get(str(settings.state), int(settings.state is True))
-    told = {"parameter": f"P{ACTIVATES}", **({"as": "state", "comment": _STATE} if given else {"value": value})}
-    yield StepItem(1, (), WriteItem.model_validate(told))
+    told = {"as": "state", "start": value, "comment": _STATE} if given else {"value": value}
+    yield StepItem(1, (), WriteItem.model_validate({"parameter": f"P{ACTIVATES}", **told}))
     awaited = Wait("=", None, settings.limit, settings.interval, follows=given)
     yield StepItem(2, (), ReadItem.model_validate({"parameter": f"r{ACTIVE}", "as": "active"}), awaited, value % 2)
 
