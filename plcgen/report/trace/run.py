@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -19,8 +20,8 @@ from plcgen.report.trace.jobs import JobWatch
 from plcgen.report.trace.model import BlockCall, CallShape, Contact, Kind, Signal, Step, Trace, Value
 from plcgen.report.trace.program import load_program
 from plcgen.report.trace.recorder import Derived, RecordingCpu, Watched, signal
-from plcgen.report.trace.settings import TimedValue, parse_time, parse_timed_value, read_inputs
-from plcgen.report.trace.values import full_path, set_member, valued_members
+from plcgen.report.trace.settings import TimedValue, all_right, parse_time, parse_timed_value, read_inputs
+from plcgen.report.trace.values import full_path, located, no_member, valued_members
 from plcgen.s7.cpu.cpu import Misuse
 from plcgen.s7.cpu.program import Program
 from plcgen.s7.cpu.system.bus import Periphery
@@ -84,8 +85,8 @@ class Simulation:
         recordings = _recordings(project)
         chosen = _chosen(recordings, settings.jobs, self.spec)
         scan_time = parse_time(str(settings.scan_time))
-        given = settings.sets if settings.inputs is None else (*read_inputs(settings.inputs), *settings.sets)
-        assignments = sorted(map(parse_timed_value, given), key=lambda item: item.scan)
+        lines = [] if settings.inputs is None else read_inputs(settings.inputs)
+        assignments = sorted(all_right([*lines, *map(parse_timed_value, settings.sets)]), key=lambda item: item.scan)
         target = project.target
         bus = Periphery()
         _connect(recordings, chosen, settings, bus)
@@ -196,6 +197,7 @@ class _Run:
     settings: RunSettings
     scan_time: int
     assignments: Sequence[TimedValue]
+    pending: deque[tuple[int, str, object]] = field(default_factory=deque)
     signals: list[Signal] = field(default_factory=list)
     start: list[Value] = field(default_factory=list)
     now: list[Value] = field(default_factory=list)
@@ -211,15 +213,14 @@ class _Run:
         """Prepare, then scan until the end."""
         self.cpu.restart("cold")
         self.prepare(folder)
-        controls = self.controls
-        limit = self.settings.scans or self.longest()
-        pending = list(self.assignments)
+        limit, pending = self.settings.scans or self.longest(), self.pending
         for number in range(1, limit + 1):
             if number == 1:
                 for path in self.others:  # a job with a cycle starts automatically
                     self.cpu[path] = False
-            while pending and pending[0].scan <= number:
-                set_member(self.cpu, pending.pop(0), controls)
+            while pending and pending[0][0] <= number:
+                _, path, value = pending.popleft()
+                self.cpu[path] = value
             if number == 1 and self.settings.inputs is None:  # else the file says when a job starts
                 for job in self.jobs:
                     job.begin()
@@ -254,12 +255,18 @@ class _Run:
             text = "the folder was generated from another spec, or by another version: run plcgen generate"
             message = f"a block or member of this spec is missing: {problem.args[0]}"
             raise DiagnosticError([Diagnostic("PG608", message, Span(str(folder)), help=text)]) from None
-        extra = [*(item.path for item in self.assignments), *(w for w in self.settings.watches if w != EVERYTHING)]
-        for path in dict.fromkeys(extra):
-            option = "--watch" if path in self.settings.watches else "--set"
-            full = full_path(self.cpu, path, self.controls, option)
+        controls = self.controls
+        self.pending.extend(all_right(located(self.cpu, item, controls) for item in self.assignments))
+        shown = {item.path: where for item, (_, where, _) in zip(self.assignments, self.pending, strict=True)}
+        for path in self.settings.watches:
+            if path != EVERYTHING:
+                try:
+                    shown[path] = full_path(self.cpu, path, controls)
+                except LookupError as problem:
+                    raise usage(f"--watch {path}", no_member(path), str(problem)) from None
+        for path, where in shown.items():
             if f"memory.{path}" not in self.positions:
-                self.add(*signal(self.cpu, "memory", path, full, listed=True))
+                self.add(*signal(self.cpu, "memory", path, where, listed=True))
         if EVERYTHING in self.settings.watches:
             for path in valued_members(self.cpu):
                 if f"memory.{path}" not in self.positions:

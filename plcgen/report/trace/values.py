@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from plcgen.base.diagnostics import DiagnosticError
+from plcgen.base.diagnostics import Diagnostic
 from plcgen.base.diagnostics.suggest import did_you_mean
-from plcgen.base.files.options import usage
 from plcgen.report.trace.recorder import watch
 from plcgen.report.trace.settings import TimedValue
 from plcgen.s7.cpu.cpu import Cpu
@@ -16,10 +15,11 @@ from plcgen.s7.types.data_types import Elementary, StringType
 from plcgen.s7.types.literals import LiteralError, parse_literal
 
 
-def full_path(cpu: Cpu, path: str, controls: Sequence[str], option: str) -> str:
+def full_path(cpu: Cpu, path: str, controls: Sequence[str]) -> str:
     """Path of a member as the CPU knows it; ``setRamps.execute`` means the member of one of the ``controls``.
 
-    Raises DiagnosticError if there is no such member, tag or address.
+    Raises:
+        LookupError: there is no such member, tag or address; it says what there is.
     """
     for candidate in (path, *(f'"{control}".{path}' for control in controls)):
         try:
@@ -27,18 +27,17 @@ def full_path(cpu: Cpu, path: str, controls: Sequence[str], option: str) -> str:
         except (KeyError, ValueError):
             continue
         return candidate
-    raise _unknown(cpu, path, controls, option)
+    raise LookupError(_known(cpu, path, controls))
 
 
-def _unknown(cpu: Cpu, path: str, controls: Sequence[str], option: str) -> DiagnosticError:
+def _known(cpu: Cpu, path: str, controls: Sequence[str]) -> str:
     names = [f"{control}.{name}" for control in controls for name in _members(cpu, control)]
     first = path.split(".", maxsplit=1)[0].strip('"')
     entry = cpu.program.link.find(first)
     if entry is not None and entry.block.kind is BlockKind.DB:
         names = [f"{entry.name}.{name}" for name in _members(cpu, first)]
     hint = did_you_mean(path, [*names, *(name.split(".", 1)[-1] for name in names)])
-    text = hint or "name a member (DriveJobs.readSpeed.execute), a tag, or an address (M50.0, DB3.DBW6)"
-    return usage(f"{option} {path}", f"there is no member, tag or address {path}", text)
+    return hint or "name a member (DriveJobs.readSpeed.execute), a tag, or an address (M50.0, DB3.DBW6)"
 
 
 def _members(cpu: Cpu, name: str) -> list[str]:
@@ -63,16 +62,21 @@ def valued_members(cpu: Cpu) -> Iterator[str]:
             yield path
 
 
-def set_member(cpu: Cpu, item: TimedValue, controls: Sequence[str]) -> None:
-    """Give a member its value. Raises DiagnosticError if the value does not fit."""
-    path = full_path(cpu, item.path, controls, "--set")
+def located(cpu: Cpu, item: TimedValue, controls: Sequence[str]) -> tuple[int, str, object] | Diagnostic:
+    """Scan, path of the member as the CPU knows it, value; or what is wrong with it."""
+    try:
+        path = full_path(cpu, item.path, controls)
+    except LookupError as problem:
+        return item.wrong(no_member(item.path), str(problem))
     _, type_ = watch(cpu, path)
     if not isinstance(type_, Elementary | StringType):
-        raise usage(item.option, f"{item.path} is an array or structure", "name one element, for example [0]")
-    text = item.value
+        return item.wrong(f"{item.path} is an array or structure", "name one element, for example [0]")
     try:
-        cpu[path] = parse_literal(text, type_)
+        return item.scan, path, parse_literal(item.value, type_)
     except LiteralError as problem:
-        raise usage(item.option, str(problem), f"{item.path} is a {type_.name}") from None
-    except ValueError as problem:
-        raise usage(item.option, f"{text} does not fit {type_.name}: {problem}") from None
+        return item.wrong(str(problem), f"{item.path} is a {type_.name}")
+
+
+def no_member(path: str) -> str:
+    """Of a path that names nothing."""
+    return f"there is no member, tag or address {path}"

@@ -191,6 +191,43 @@ def test_every_line_of_inputs_that_is_none_is_reported(run: Run, tmp_path: Path)
     assert [d.code for d in run(inputs=tmp_path / "none.txt").diagnostics] == ["PG110"]
 
 
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("M50.0=TRUE@0", "scans count from 1 to 10,000,000"),
+        ("M50.0=TRUE@10000001", "scans count from 1 to 10,000,000"),
+        (f"M50.0=TRUE@{'9' * 5000}", "scans count from 1 to 10,000,000"),
+        ("readRampUp.excute=TRUE@2", "there is no member, tag or address readRampUp.excute"),
+        ("DB3.DBW6=65536@900", "outside -32768..65535"),
+        ("M50.0=5@900", "not a valid BOOL constant"),
+        ("=" * 70_000, "a member and its value are needed"),
+        ("a\x85b=1", "there is no member, tag or address"),
+        ("RD_DataBuffer=1", "there is no member, tag or address"),
+        ("DcmUnit.unit=1", "is an array or structure"),
+    ],
+)
+def test_a_line_of_inputs_is_held_against_the_program_before_anything_runs(
+    run: Run, tmp_path: Path, line: str, said: str
+) -> None:
+    """At its line, whatever the scan in which it would count; a value at the end of its range is none."""
+    path = tmp_path / "inputs.txt"
+    path.write_text(f"DB3.DBW6=65535@900\n{line}\n", "utf-8")
+    trace = run(jobs=["read_ramp_up"], inputs=path)
+    (wrong,) = trace.diagnostics
+    assert (wrong.code, wrong.span.file, wrong.span.line, trace.scans) == ("PG901", str(path), 2, 0)
+    assert said in wrong.message
+
+
+def test_many_lines_of_inputs_take_no_longer_each(run: Run, tmp_path: Path) -> None:
+    """200,000 values before the same scan, the last one counts; of 200,000 mistakes 20 are shown."""
+    path = tmp_path / "inputs.txt"
+    path.write_text("DB3.DBW6=7@2\n" * 200_000 + "DB3.DBW6=8@2\nM50.0=TRUE@3\n", "utf-8")
+    trace = run(jobs=["read_ramp_up"], inputs=path, scans=3)
+    assert history(trace, "memory.DB3.DBW6")[0] == (2, 8)
+    path.write_text("M50.0=2\n" * 200_000, "utf-8")
+    assert len(run(jobs=["read_ramp_up"], inputs=path).diagnostics) == 20
+
+
 def test_own_blocks_instead_of_the_example(run: Run, own: Path) -> None:
     """The user's OB runs, his WRREC is recorded under its instance, and the changed LEN is reported at its line."""
     trace = run(own=[own], watches=["Sender_DB.step"], scans=4)
