@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from plcgen.build.writing import WrittenFolder
     from plcgen.project.fit import ProgramSize
+    from plcgen.project.includes import Read
     from plcgen.project.nouns import Project
     from plcgen.project.target import Target
     from plcgen.proof import Asked, Means
@@ -98,10 +99,10 @@ def hardened(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     )
 
 
-def check(spec: Path | str, *, strict: bool = False) -> CheckResult:
+def check(spec: Path | str, *, strict: bool = False, read: Read | None = None) -> CheckResult:
     """Read, validate and plan a spec and apply every rule to it; notes tell what is written to inputs left open.
 
-    ``strict`` makes errors of what is not known.
+    ``strict`` makes errors of what is not known; ``read`` gives the text of a file in place of the one on disk.
 
     If it names a CPU, its blocks are made, though not written: what does not fit the CPU is a warning.
     """
@@ -109,7 +110,7 @@ def check(spec: Path | str, *, strict: bool = False) -> CheckResult:
     from plcgen.project.opening import allowed_in
     from plcgen.project.rules import remarks
 
-    found = problems_of(spec)
+    found = problems_of(spec, read)
     if strict:
         found = replace(found, diagnostics=hardened(found.diagnostics))
     if found.project is None or not found.ok:
@@ -120,12 +121,12 @@ def check(spec: Path | str, *, strict: bool = False) -> CheckResult:
     return replace(found, diagnostics=tuple(Report(told)))
 
 
-def problems_of(spec: Path | str) -> CheckResult:
+def problems_of(spec: Path | str, read: Read | None = None) -> CheckResult:
     """What is wrong with a spec, and what does not fit its CPU."""
     from plcgen.project.allowances import settled
     from plcgen.project.opening import allowed_in
 
-    found = _planned(spec)
+    found = _planned(spec, read)
     project = found.project
     if (
         project is None
@@ -138,11 +139,12 @@ def problems_of(spec: Path | str) -> CheckResult:
     return replace(found, diagnostics=tuple(report))
 
 
-def _planned(spec: Path | str) -> CheckResult:
+def _planned(spec: Path | str, read: Read | None) -> CheckResult:
+    from plcgen.project.composing import from_disk
     from plcgen.project.opening import open_spec
 
     path = Path(spec)
-    opened = open_spec(path)
+    opened = open_spec(path, read or from_disk)
     return CheckResult(path, opened.project, opened.diagnostics)
 
 

@@ -29,7 +29,7 @@ class Composed:
 
 
 def from_disk(path: Path, file: str) -> str:
-    """Text of an included file."""
+    """Text of a file of a spec."""
     return read_text(path, file)
 
 

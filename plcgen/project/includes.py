@@ -22,7 +22,7 @@ MAX_FILES = 50
 MAX_LEVELS = 8
 
 Read = Callable[[Path, str], str]
-"""Text of a file by its path and the name that messages call it; raises DiagnosticError."""
+"""Text of a file by its path and what messages call it: from disk, or what an editor has; raises DiagnosticError."""
 
 
 @dataclass(slots=True)

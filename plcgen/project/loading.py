@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from plcgen.base.diagnostics import Report
-from plcgen.base.files.text import read_text
 from plcgen.base.files.validation import FileShape, keys_at, validate
 from plcgen.base.files.yaml import YamlNode
 from plcgen.project.composing import HELP, compose, from_disk
@@ -20,13 +19,13 @@ from plcgen.project.shape import spec_model
 from plcgen.project.spec import LoadedSpec, SpecPath
 
 
-def load_spec(path: Path, report: Report) -> LoadedSpec | None:
+def load_spec(path: Path, report: Report, read: Read = from_disk) -> LoadedSpec | None:
     """Read and validate a spec file, with the files that it includes.
 
     Raises:
         DiagnosticError: if the file cannot be read as text at all.
     """
-    return parse_spec(read_text(path), path.as_posix(), report)
+    return parse_spec(read(path, path.as_posix()), path.as_posix(), report, read)
 
 
 def parse_spec(text: str, file: str, report: Report, read: Read = from_disk) -> LoadedSpec | None:
@@ -43,10 +42,10 @@ def parse_spec(text: str, file: str, report: Report, read: Read = from_disk) -> 
     return LoadedSpec(file, text, valid, composed.root, composed.included, composed.uses)
 
 
-def salvage_spec(path: Path) -> Salvaged[Spec] | None:
+def salvage_spec(path: Path, read: Read = from_disk) -> Salvaged[Spec] | None:
     """What can be planned of a spec whose shape is wrong; None if that would be nothing."""
     found = Report()
-    composed = compose(read_text(path), path.as_posix(), found)
+    composed = compose(read(path, path.as_posix()), path.as_posix(), found, read)
     if composed is None:
         return None
     known = protocols()

@@ -8,6 +8,8 @@ from pathlib import Path
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Report, has_errors
 from plcgen.project.allowances import Allowance, allowances, settled
+from plcgen.project.composing import from_disk
+from plcgen.project.includes import Read
 from plcgen.project.loading import load_spec, salvage_spec
 from plcgen.project.nouns import Project
 from plcgen.project.resolve import resolve
@@ -40,14 +42,14 @@ class Opened:
         return self.project
 
 
-def open_spec(path: Path) -> Opened:
-    """Open a spec; whatever is wrong with it is a diagnostic."""
+def open_spec(path: Path, read: Read = from_disk) -> Opened:
+    """Open a spec; whatever is wrong with it is a diagnostic. ``read`` gives the text of it and of what it includes."""
     report = Report()
     project: Project | None = None
     with report.catch():
-        loaded = load_spec(path, report)
+        loaded = load_spec(path, report, read)
         if loaded is None:
-            report.extend(_found_besides(path))
+            report.extend(_found_besides(path, read))
         else:
             project = resolve(loaded, report)
             apply_rules(project, report)
@@ -63,9 +65,9 @@ def allowed_in(project: Project | None) -> tuple[Allowance, ...]:
     return tuple(each for file, text in ((spec.file, spec.text), *spec.included) for each in allowances(text, file))
 
 
-def _found_besides(path: Path) -> Iterator[Diagnostic]:
+def _found_besides(path: Path, read: Read) -> Iterator[Diagnostic]:
     """What else is wrong with a spec whose shape is wrong, as far as it can be told."""
-    part = salvage_spec(path)
+    part = salvage_spec(path, read)
     if part is None:
         return
     report = Report()

@@ -1,0 +1,1 @@
+"""``plcgen lsp``: the service as a language server."""

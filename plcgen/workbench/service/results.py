@@ -1,0 +1,73 @@
+"""What the service answers: frozen values, places as spans with lines and columns that count from 1, in characters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from plcgen.base.diagnostics import Diagnostic, Span
+from plcgen.base.display.page import Page
+
+OfferKind = Literal["key", "value", "name", "device", "parameter", "variable", "file", "instruction", "type", "member"]
+SymbolKind = Literal["section", "unit", "drive", "job", "recipe", "station", "variable", "block", "type", "member"]
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """Text in the place of what stands at a span; an empty span inserts."""
+
+    span: Span
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """A way to get rid of a problem: what it does in a few words, and the edits."""
+
+    title: str
+    edits: tuple[Edit, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A problem with the reason that its code has, the remedy and quick fixes."""
+
+    diagnostic: Diagnostic
+    reason: str
+    remedy: str
+    fixes: tuple[Fix, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """Something that may stand at a place: ``detail`` is a few words beside it, ``text`` the documentation.
+
+    ``also`` is another name under which it is found.
+    """
+
+    label: str
+    kind: OfferKind
+    edit: Edit
+    detail: str = ""
+    text: str = ""
+    also: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Hover:
+    """What there is to know of what stands at a span."""
+
+    span: Span
+    page: Page
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """Something with a name: all that belongs to it, the name itself, what is in it."""
+
+    name: str
+    kind: SymbolKind
+    detail: str
+    whole: Span
+    place: Span
+    children: tuple[Symbol, ...] = ()

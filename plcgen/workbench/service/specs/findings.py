@@ -1,0 +1,129 @@
+"""Everything that ``check`` says of a spec, with the reason of its code and what an editor can do about it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from itertools import islice
+
+from plcgen.base.diagnostics import Diagnostic, Severity, Span
+from plcgen.base.diagnostics.codes import code as code_info
+from plcgen.base.files.files import YAML_SUFFIXES, walk
+from plcgen.workbench.service.documents import Document
+from plcgen.workbench.service.results import Edit, Finding, Fix
+from plcgen.workbench.service.specs.sketch import sketch
+from plcgen.workbench.service.specs.state import Specs
+
+MOST = 1_000
+"""Findings of one text; nobody reads more at once."""
+_SEARCHED = 200
+"""So many files are looked at for one that includes a part of a spec."""
+
+
+def findings(specs: Specs, document: Document) -> tuple[Finding, ...]:
+    """The findings of a document; of a part that another spec includes, those that this spec has there."""
+    state = specs.state(document)
+    if not state.is_spec:
+        return ()
+    found: Iterable[Diagnostic] = state.checked.diagnostics
+    if state.is_part:
+        whole = _whole(specs, document)
+        if whole is None:
+            found = [one for one in found if not (one.code == "PG105" and one.message.startswith("the spec lacks"))]
+        else:
+            found = [one for one in specs.state(whole).checked.diagnostics if one.span.file == document.file]
+    return tuple(finding(specs, one) for one in list(found)[:MOST])
+
+
+def finding(specs: Specs, diagnostic: Diagnostic) -> Finding:
+    """A diagnostic with what its code says and its fixes."""
+    info = code_info(diagnostic.code)
+    document = specs.documents.get(diagnostic.span.file)
+    fixes = () if document is None else tuple(fixes_of(diagnostic, document))
+    return Finding(diagnostic, info.why, diagnostic.help or info.fix, fixes)
+
+
+def _whole(specs: Specs, part: Document) -> Document | None:
+    """A spec that includes a part: one that is open, else one on disk."""
+    known = specs.including(part)
+    if known or not specs.documents.writable(part.path):
+        return known[0] if known else None
+    names = (folder / name for folder, _, names in walk(specs.documents.folder) for name in names)
+    candidates = (path for path in names if path.suffix.lower() in YAML_SUFFIXES and path != part.path)
+    for path in islice(candidates, _SEARCHED):
+        document = specs.documents.get(path)
+        if document is not None and "include" in document.text and specs.state(document).includes(part.file):
+            return document
+    return None
+
+
+_MEANT = re.compile(r'\Adid you mean "([^"]+)"\?')
+_QUOTED = re.compile(r'"([^"]+)"|\b(\S+) is not')
+_WRITE = re.compile(r"\Awrite (\[[^\]]*\]|[a-z_0-9]+(?=: keys)|[A-Za-z]+[0-9]+(?:\[[0-9.]+\])?(?=\Z|,|:))")
+
+
+def fixes_of(diagnostic: Diagnostic, document: Document) -> Iterator[Fix]:
+    """What an editor can do about a problem: what its help says, where that is one edit."""
+    place, help_ = diagnostic.span, diagnostic.help
+    text = document.part(place)
+    meant = _MEANT.match(help_)
+    if meant is not None and text:
+        edit = _replaced(diagnostic, text, meant[1])
+        if edit is not None:
+            yield Fix(f'replace it with "{meant[1]}"', (edit,))
+    written = _WRITE.match(help_)
+    if written is not None and text:
+        yield Fix(f"write {written[1]}", (Edit(place, written[1]),))
+    if help_ == "remove the quotes" and text[:1] in {'"', "'"} and text[-1:] == text[:1]:
+        yield Fix("remove the quotes", (Edit(place, text[1:-1]),))
+    quoted = re.search(r'put it in quotes: ("[^"]*")|, or ("[^"]*") in quotes', help_)
+    if quoted is not None and text:
+        yield Fix("put it in quotes", (Edit(place, quoted[1] or quoted[2]),))
+    if diagnostic.code in {"PG103", "PG104"} and text and not meant:
+        removed = _removed(document, place)
+        if removed is not None:
+            yield Fix(f"remove {text}", (removed,))
+    if diagnostic.severity is Severity.WARNING and place.line and diagnostic.code != "PG111":
+        yield _allowed(diagnostic, document)
+
+
+def _replaced(diagnostic: Diagnostic, text: str, meant: str) -> Edit | None:
+    """The word of the place that is wrong, replaced: the whole text, or the part that the message quotes."""
+    place = diagnostic.span
+    words = [one for pair in _QUOTED.findall(diagnostic.message) for one in pair if one]
+    bare = text.strip("\"'")
+    if bare in words or not any(word in text for word in words):
+        quote = text[0] if text[:1] in {'"', "'"} else ""
+        return Edit(place, f"{quote}{meant}{quote}") if bare in words else None
+    word = next(word for word in words if word in text)
+    start = place.column + text.index(word)
+    return Edit(Span(place.file, place.line, start, place.line, start + len(word)), meant)
+
+
+def _removed(document: Document, place: Span) -> Edit | None:
+    """The key at a place and all below it, where it has lines of its own."""
+    found = sketch(document.text, document.file)
+    at = next((n for n, one in enumerate(found.entries) if one.key == place), None)
+    if at is None or document.lines[place.line - 1][: place.column - 1].strip():
+        return None
+    entry, end = found.entries[at], place.line
+    for below in found.entries[at:]:
+        if below.path[: len(entry.path)] != entry.path:
+            break
+        end = max(end, below.place.end_line)
+    after = document.lines[end : end + 1]
+    if after and after[0].strip()[:1] in {"]", "}"}:
+        return None
+    last = len(document.lines)
+    return Edit(
+        Span(place.file, place.line, 1, min(end + 1, last), 1 if end < last else len(document.lines[-1]) + 1), ""
+    )
+
+
+def _allowed(diagnostic: Diagnostic, document: Document) -> Fix:
+    """A comment above the line; the reason is for the user to give, and ``check`` asks for it."""
+    line = document.lines[diagnostic.span.line - 1] if diagnostic.span.line <= len(document.lines) else ""
+    indent = line[: len(line) - len(line.lstrip())]
+    above = Span(diagnostic.span.file, diagnostic.span.line, 1, diagnostic.span.line, 1)
+    comment = Edit(above, f"{indent}# plcgen: allow {diagnostic.code} \n")
+    return Fix("accept this warning; write the reason into the comment", (comment,))

@@ -1,0 +1,234 @@
+"""Completion of specs: keys and words by the schema, names that are defined, parameters of the drive in question."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from functools import cache
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+from plcgen.base.diagnostics import Span
+from plcgen.base.files.files import YAML_SUFFIXES, walk
+from plcgen.ds47.device import Parameter
+from plcgen.ds47.devices import find_device, named_parameters
+from plcgen.ds47.registry import kinds
+from plcgen.project.includes import KEY as INCLUDE
+from plcgen.project.variables import KEY as VARIABLES
+from plcgen.workbench.service.results import Edit, Offer
+from plcgen.workbench.service.specs.drives import MOST, KnownDrive, drives_at, in_full, in_short, spelled
+from plcgen.workbench.service.specs.names import named
+from plcgen.workbench.service.specs.shape import spec_shape
+from plcgen.workbench.service.specs.sketch import Path, Spot
+from plcgen.workbench.service.specs.state import matches
+
+if TYPE_CHECKING:
+    from plcgen.workbench.service.documents import Document
+    from plcgen.workbench.service.specs.state import Specs, SpecState
+
+
+def offers(specs: Specs, document: Document, line: int, column: int) -> tuple[Offer, ...]:
+    """Everything that may stand at a place; an editor shows of it what fits to what was typed."""
+    state = specs.state(document)
+    spot = state.sketch.at(line, column)
+    if spot is None or not state.is_spec:
+        return ()
+    if spot.before[:1] == "$":
+        return tuple(_variables(state, spot))
+    found: list[Offer] = []
+    if spot.role in {"key", "item"}:
+        found += _keys(state, spot)
+    if spot.role != "key" or spot.fresh:
+        found += _values(state, spot, spot.path, "")
+    if spot.role == "key" and spot.fresh:
+        found += _values(state, spot, (*spot.path, 0), "- ")
+    if spot.role != "key":
+        found += _variables(state, spot)
+    return tuple({one.label: one for one in reversed(found)}.values())[::-1]
+
+
+# --- keys ------------------------------------------------------------------------------------------------------------
+
+
+def _keys(state: SpecState, spot: Spot) -> Iterator[Offer]:
+    shape, path = spec_shape(), spot.path
+    known = shape.keys(path)
+    if names_parameters(path):
+        yield from _parameters(state, spot, path, written=path[-1] == "write", key=True)
+        known = {key: each for key, each in known.items() if key not in parameter_names()}
+    yield from _members(state, spot)
+    present = {str(one.path[-1]) for one in state.sketch.below(path) if one.key != spot.span}
+    for key in known:
+        if key not in present and key not in _other_kinds(path, present):
+            meaning = shape.meaning((*path, key))
+            yield _offer(state, spot, key, "key", detail=meaning, text=said_of((*path, key)), key=True)
+
+
+def _other_kinds(path: Path, present: set[str]) -> set[str]:
+    """Kinds of job that cannot stand beside the one that is there."""
+    if not matches(path, ("jobs", "*")):
+        return set()
+    whole = {kind.key for kind in kinds() if not kind.follows}
+    return whole if whole & present else set()
+
+
+def said_of(path: Path) -> str:
+    """What a schema says of the value of a key: words, bounds, default, examples."""
+    shape = spec_shape()
+    words, (low, high) = shape.words(path), shape.bounds(path)
+    lines = [f"one of: {', '.join(map(_spelled, words[:40]))}"] if words and not names_parameters(path) else []
+    lines += [f"{low} to {high}"] if low is not None and high is not None else []
+    default = shape.default(path)
+    lines += [f"default: {_spelled(default)}"] if isinstance(default, str | int | float) else []
+    examples = [each for each in shape.examples(path) if each != default]
+    return "\n".join([*lines, f"for example: {', '.join(map(_spelled, examples))}"] if examples else lines)
+
+
+def _spelled(value: Any) -> str:
+    return value if isinstance(value, str) else json.dumps(value)
+
+
+# --- values ----------------------------------------------------------------------------------------------------------
+
+
+def _values(state: SpecState, spot: Spot, path: Path, lead: str) -> Iterator[Offer]:
+    """``lead`` is what must stand before the value where it goes."""
+    for kind in named():
+        if any(matches(path, use) for use in kind.uses):
+            for home in kind.homes:
+                bound = (*map(str, path[: kind.bound]), *home[kind.bound :])
+                for place, name in state.names(*bound):
+                    detail = state.sketch.value(*place, "device") or kind.word
+                    yield _offer(state, spot, name, "name", detail=detail, lead=lead)
+    if path[:1] == (INCLUDE,):
+        yield from (_offer(state, spot, name, "file", lead=lead) for name in _files(state))
+        return
+    words = spec_shape().words(path)
+    if words and names_parameters(path, words):
+        yield from _parameters(state, spot, path, written="write" in path, key=False, lead=lead)
+        return
+    if path and path[-1] == "device":
+        for name in words:
+            yield _offer(state, spot, name, "device", detail=find_device(name).title, lead=lead)
+        return
+    yield from _value_names(state, spot, path, lead)
+    for word in words:
+        yield _offer(state, spot, _spelled(word), "value", lead=lead)
+    for example in spec_shape().examples(path):
+        yield _offer(state, spot, _spelled(example), "value", detail="example", lead=lead)
+
+
+def _files(state: SpecState) -> Iterator[str]:
+    """YAML files below the folder of the spec, some of them."""
+    own = state.document.path
+    found = (
+        (folder / name).relative_to(own.parent).as_posix()
+        for folder, _, names in walk(own.parent)
+        for name in names
+        if (folder / name).suffix.lower() in YAML_SUFFIXES and folder / name != own
+    )
+    return islice(found, MOST)
+
+
+def _variables(state: SpecState, spot: Spot) -> Iterator[Offer]:
+    for _, name in state.names(VARIABLES):
+        yield _offer(state, spot, f"$({name})", "variable", detail=state.sketch.value(VARIABLES, name))
+
+
+# --- parameters ------------------------------------------------------------------------------------------------------
+
+
+@cache
+def parameter_names() -> frozenset[str]:
+    """Names of parameters of all devices: where the schema offers one of them, any parameter may stand."""
+    return frozenset(named_parameters())
+
+
+def names_parameters(path: Path, words: Iterable[Any] | None = None) -> bool:
+    """Whether parameters stand at a path: as keys of the mapping there, or as one of the ``words`` of the value."""
+    if words is not None:
+        return not parameter_names().isdisjoint(word for word in words if isinstance(word, str))
+    if path[-1:] in {("allow",), ("allow_safety",)} or (path[:1] != ("jobs",) and path[-1:] == ("parameters",)):
+        return True
+    return not parameter_names().isdisjoint(spec_shape().keys(path))
+
+
+def _parameters(
+    state: SpecState, spot: Spot, path: Path, *, written: bool, key: bool, lead: str = ""
+) -> Iterator[Offer]:
+    """Parameters that every drive in question has."""
+    drives = drives_at(state, path)
+    if not drives:
+        return
+    first, *others = drives
+    fitting = (
+        one
+        for one in first.matching(spot.before)
+        if ("w" if written else "r") in one.access and all(other.find(spelled(one)) is not None for other in others)
+    )
+    for one in islice(fitting, MOST):
+        name, text = spelled(one), "\n".join(f"{heading}: {said}" for heading, said in in_full(one) if said)
+        yield _offer(state, spot, name, "parameter", detail=in_short(one), text=text, key=key, lead=lead, also=one.name)
+        if one.name and not spot.before[:1].isdigit():
+            yield _offer(
+                state, spot, one.name, "parameter", detail=f"{name} · {in_short(one)}", text=text, key=key, lead=lead
+            )
+
+
+def parameter_at(state: SpecState, path: Path) -> tuple[str, list[tuple[KnownDrive, Parameter]]] | None:
+    """The parameter whose value stands at a path, as it is written, and what each drive knows of it."""
+    place: Path = path
+    if place[-1:] in {("value",), ("start",)}:
+        named_ = state.sketch.value(*place[:-1], "parameter")
+        place = place[:-1]
+    else:
+        named_ = ""
+    if not named_ and place and names_parameters(place[:-1]) and isinstance(place[-1], str):
+        named_ = place[-1]
+    found = [(drive, one) for drive in drives_at(state, path) if named_ and (one := drive.find(named_)) is not None]
+    return (named_, found) if found else None
+
+
+def _value_names(state: SpecState, spot: Spot, path: Path, lead: str) -> Iterator[Offer]:
+    """Names of the values of a parameter, with their numbers."""
+    known = parameter_at(state, path)
+    for _, one in known[1] if known is not None else ():
+        grade = one.grades.get("values", "read")
+        for name, number in {**one.doubted.get("values", {}), **one.values}.items():
+            doubt = "" if grade == "read" else f" ({grade}: write the number)"
+            yield _offer(state, spot, name, "value", detail=f"{number}{doubt}", text=one.title, lead=lead)
+
+
+def _members(state: SpecState, spot: Spot) -> Iterator[Offer]:
+    """In a record of a recipe: its parameters."""
+    if not matches(spot.path, ("recipes", "*", "records", "*")):
+        return
+    place: Path = (*spot.path[:2], "parameters")
+    for entry in state.sketch.below(place):
+        name = entry.value or state.sketch.value(*entry.path, "as") or state.sketch.value(*entry.path, "parameter")
+        if name:
+            yield _offer(state, spot, name, "name", detail="parameter of the recipe", key=True)
+
+
+def _offer(
+    state: SpecState,
+    spot: Spot,
+    label: str,
+    kind: Any,
+    *,
+    detail: str = "",
+    text: str = "",
+    key: bool = False,
+    lead: str = "",
+    also: str = "",
+) -> Offer:
+    """An offer in the place of the word at a spot; a key gets its colon unless there is one."""
+    line = state.document.lines[spot.span.line - 1]
+    before, after = line[: spot.span.column - 1], line[spot.span.end_column - 1 :].lstrip(" \t")
+    space = "" if not before or before[-1:] in {" ", "\t", "[", "{"} or spot.role == "key" else " "
+    shown = label
+    if not key and any(mark in label for mark in ":#,[]{}") and not label.startswith("$("):
+        shown = json.dumps(label)
+    colon = ": " if key and not after.startswith(":") else ""
+    place = Span(spot.span.file, spot.span.line, spot.span.column, spot.span.end_line, spot.span.end_column)
+    return Offer(label, kind, Edit(place, f"{space}{lead}{shown}{colon}"), detail, text, also)
