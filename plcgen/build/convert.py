@@ -27,6 +27,7 @@ from plcgen.s7.xml.writing.structured_text import elements, numbered
 
 Target = Literal["scl", "xml"]
 
+_FORMS: Mapping[Target, int] = {"scl": 0, "xml": 2}
 _CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
 _SYMBOLS = frozenset({".sdf", ".asc"})
 _FORBIDDEN = frozenset('<>:"/\\|?*%')
@@ -53,11 +54,11 @@ class Converted:
 
 @dataclass(frozen=True, slots=True)
 class _Read:
-    """A block, where it stands, and whether it comes from a document."""
+    """A block, where it stands, and what its file is written in, see ``SourceFile.form``."""
 
     block: Block
     place: Span
-    is_xml: bool
+    form: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +146,6 @@ def _read(files: Sequence[SourceFile], found: Converted, *, classic: bool, encod
             blocks, problems = read_simaticml(file.path, classic=classic or None, constants=constants, inline=False)
             if not blocks and file.listed and all(problem.code == "PG812" for problem in problems):
                 continue  # another kind of document that lies in the folder
-            problems = [problem for problem in problems if problem.code != "PG814"]
             blocks = [_laid_out(block, found) for block in blocks]
         else:
             whole = {name: value for name, value in constants.items() if value is not None}
@@ -153,8 +153,8 @@ def _read(files: Sequence[SourceFile], found: Converted, *, classic: bool, encod
             blocks, problems = read_source(file.path, dialect, encoding=encoding, constants=whole, keep=kept.append)
             codes |= {place: code for result in kept for place, code in _codes(result)}
             problems = [problem for problem in problems if not _about_encoding(problem)]
-        found.diagnostics += [_without_value(problem) for problem in problems]
-        read += [_Read(block, block.span or Span(str(file.path)), file.is_xml) for block in blocks]
+        found.diagnostics += [_without_value(problem) for problem in problems if problem.code != "PG814"]
+        read += [_Read(block, block.span or Span(str(file.path)), file.form) for block in blocks]
     return _Sources(read, frozenset(constants), codes)
 
 
@@ -163,7 +163,7 @@ def _codes(result: ParseResult) -> Iterator[tuple[Span, tuple[Tokens, int]]]:
     text = result.tokens.text_alone()
     for unit in result.units:
         begin, stop = unit.code
-        if stop > begin >= 0:
+        if stop > begin >= 0 and not unit.networks:  # theirs is shifted to the left, for each network by itself
             code = text.source[begin:stop]
             yield text.span(unit.start, unit.start + len(unit.keyword)), (text, begin + code.index(trim_code(code)))
 
@@ -189,17 +189,18 @@ def _about_encoding(problem: Diagnostic) -> bool:
 
 
 def _unique(read: Iterable[_Read], to: Target, found: Converted) -> list[tuple[Block, Span]]:
-    """One block of each name: of text and document the one that is not the target, as in a generated folder.
+    """One block of each name: of source and document the one that is not the target, as in a generated folder.
 
     Two in the same spelling are an error, because only one can be written.
     """
+    own = _FORMS[to]
     kept: dict[str, _Read] = {}
     for one in read:
         first = kept.setdefault(one.block.name.upper(), one)
         if first is one:
             continue
-        if first.is_xml != one.is_xml:
-            kept[one.block.name.upper()] = one if one.is_xml == (to == "scl") else first
+        if first.form != one.form:
+            kept[one.block.name.upper()] = min(first, one, key=lambda each: (each.form == own, each.form))
             continue
         message = f'{one.block.kind} "{one.block.name}" is declared a second time, first in {first.place}'
         found.diagnostics.append(Diagnostic("PG805", message, one.place, help="name one version of each block"))

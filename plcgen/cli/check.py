@@ -121,7 +121,7 @@ def command(
     elif sources:
         found_sources, blocks = _files(sources, target, encoding, out)
         subjects += found_sources
-    subjects = [*subjects[: len(specs)], *_with_left_out(paths, [*map(_settled, subjects[len(specs) :])])]
+    subjects = [*subjects[: len(specs)], *map(_settled, subjects[len(specs) :])]
     more: dict[str, Any] = {"specs": [subject for subject, _ in subjects]}
     if known is not None:
         compared = compare_baseline(subjects, known)
@@ -171,9 +171,9 @@ def _sorted(paths: tuple[Path, ...], out: Console, *, program: bool) -> tuple[li
         from plcgen.cli.specs import tell
         from plcgen.project.below import Below, specs_below
         from plcgen.s7.cpu.sources import SUFFIXES, find_documents, find_sources
-        from plcgen.s7.read.text import SD_SUFFIXES
+        from plcgen.s7.read.texts import SUFFIX as TEXTS
 
-        if folder or suffix in SUFFIXES | SD_SUFFIXES:
+        if folder or suffix in SUFFIXES | {TEXTS}:
             looked = specs_below(path) if folder and not program else Below()
             tell(looked, out)
             below, inside = find_sources(path), looked.specs
@@ -190,22 +190,6 @@ def _sorted(paths: tuple[Path, ...], out: Console, *, program: bool) -> tuple[li
         else:
             specs.append(path)
     return list(dict.fromkeys(specs)), list(dict.fromkeys(sources))
-
-
-def _with_left_out(paths: tuple[Path, ...], subjects: list[Subject]) -> list[Subject]:
-    """A warning with the first source of each folder for what lies there and is not read."""
-    folders = [path for path in paths if path.is_dir()] if subjects else []
-    if not folders:
-        return subjects
-    from plcgen.s7.cpu.sources import find_left_out
-    from plcgen.s7.read.text import SD_SUFFIXES
-
-    for folder in folders:
-        for at, (file, found) in enumerate(subjects):
-            if Path(file).is_relative_to(folder) and Path(file).suffix.lower() not in SD_SUFFIXES:
-                subjects[at] = (file, [*found, *find_left_out(folder)])
-                break
-    return subjects
 
 
 def _specs(specs: list[Path], *, strict: bool) -> list[Subject]:

@@ -25,6 +25,7 @@ MAX_WATCHED = 20_000
 """So many entries of a folder tree are looked at."""
 SUFFIXES = frozenset(
     {".yaml", ".yml", ".toml", ".scl", ".udt", ".db", ".awl", ".stl", ".xml", ".sdf", ".asc", ".csv", ".json", ".inp"}
+    | {".s7dcl", ".s7res"}
 )
 State = dict[Path, tuple[int, int]]
 """Time of the last change in nanoseconds and size of each file."""

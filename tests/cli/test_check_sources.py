@@ -200,27 +200,6 @@ def test_a_type_that_exports_of_blocks_repeat_is_one(plcgen, tmp_path):
     assert {d["code"] for d in json.loads(plcgen(*command).out)["diagnostics"]} == {"PG805", "PG806"}
 
 
-def test_simatic_sd_is_told_in_one_line(plcgen, tmp_path):
-    """A document, its texts, or a folder with nothing else: what it is, not what would be wrong with it as SCL."""
-    (tmp_path / "sd").mkdir()
-    for name in ("A.s7dcl", "B.s7dcl"):
-        (tmp_path / "sd" / name).write_text(
-            '{\n  S7_Version := "0.1"\n}\nDATA_BLOCK A\n  VAR\n    a : Bool;\n  END_VAR\n'
-        )
-    (tmp_path / "A.s7res").write_text("MultiLingualTexts:\n  - id: MLC_1\n    en-US: a\n")
-    program = ("--program", "--target", "tia-1500")
-    for command in (
-        ("check", "sd/A.s7dcl"),
-        ("check", "A.s7res"),
-        ("check", "sd"),
-        ("check", "sd", *program),
-        ("layout", "sd"),
-    ):
-        result = plcgen(*command)
-        shown = result.out + result.err
-        assert (result.code, shown.count("error["), "PG804" in shown, "SIMATIC SD" in shown) == (1, 1, True, True)
-
-
 @pytest.mark.parametrize("options", [(), ("--program", "--target", "tia-1500")])
 def test_a_folder_of_documents_alone_is_told_what_to_do(plcgen, tmp_path, options):
     """Its code is checked as the sources that convert makes of it."""
@@ -230,29 +209,6 @@ def test_a_folder_of_documents_alone_is_told_what_to_do(plcgen, tmp_path, option
     assert (result.code, "plcgen convert --to scl makes sources of the documents there" in result.err) == (2, True)
     assert plcgen("convert", "documents", "--to", "scl", "--out", "sources").code == 0
     assert plcgen("check", "sources", *options).code == 0
-
-
-def test_simatic_sd_beside_sources_is_told_in_one_warning(plcgen, tmp_path):
-    """The sources of a mixed folder are read; the documents are named, by every verb that reads folders."""
-    (tmp_path / "mixed" / "deep").mkdir(parents=True)
-    (tmp_path / "mixed" / "a.scl").write_text(GOOD)
-    for name in "ABCD":
-        (tmp_path / "mixed" / "deep" / f"{name}.s7dcl").write_text("FUNCTION_BLOCK A\nEND_FUNCTION_BLOCK\n")
-    (tmp_path / "mixed" / "deep" / "A.s7res").write_text("MultiLingualTexts:\n")
-    message = "4 SIMATIC SD documents of the TIA Portal in this folder not read: A.s7dcl, B.s7dcl, C.s7dcl, .."
-    for command in (
-        ("check", "mixed"),
-        ("check", "mixed", "--program", "--target", "tia-1500"),
-        ("layout", "mixed"),
-        ("lock", "mixed"),
-        ("diff", "mixed", "mixed"),
-        ("convert", "mixed", "--to", "xml", "--out", "made"),
-    ):
-        result = plcgen(*command)
-        shown = result.out + result.err
-        assert (result.code, shown.count(message), "export the block" in shown) == (0, 1, True), command
-    report = json.loads(plcgen("check", "mixed", "--json").out)
-    assert (report["specs"], report["diagnostics"][0]["file"]) == (["mixed/a.scl"], "mixed")
 
 
 def test_a_block_in_two_files_is_told(plcgen, tmp_path):

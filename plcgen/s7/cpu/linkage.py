@@ -144,7 +144,7 @@ class Linkage:
     points: list[Probe] = field(default_factory=list)
     iec_check: IecCheck = IecCheck.AS_STATED
     foreign: set[str] = field(default_factory=set)
-    stated: Mapping[str, bool] = field(default_factory=dict)
+    stated: dict[str, bool] = field(default_factory=dict)
     user_constants: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     literals: dict[str, str] = field(default_factory=dict)
     numbers: dict[str, int] = field(default_factory=dict)

@@ -25,6 +25,7 @@ from plcgen.s7.scl.constants import is_bits_of_real
 from plcgen.s7.scl.declarations import blocks as declared_blocks
 from plcgen.s7.scl.declarations import circles, recursive_types
 from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.scl.grammar.documents import IEC_CHECK, is_document
 from plcgen.s7.scl.parser import ParseResult, parse
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.types.data_types import NamedType
@@ -117,7 +118,7 @@ class Program:
         beside = beside or Surroundings()
         program.link.add_constants(constants or {}, beside.constants)
         program.link.stated = beside.stated | {name.upper(): checked for name, checked in (stated or {}).items()}
-        for source in sources:
+        for source in sorted(sources, key=lambda source: isinstance(source, Path) and is_document(source.name)):
             before = len(program.link.blocks)
             program.read(source, encoding)
             if source in foreign:
@@ -168,10 +169,15 @@ class Program:
             block = without_refused(block, link.dialect) if link.classic else block
             self.diagnostics += elsewhere
             key = block.name.upper()
+            if is_document(result.tokens.file) and link.iec_check is IecCheck.AS_STATED:
+                checked = block.attributes.get(IEC_CHECK, "").upper() == "TRUE"  # left out where it is off
+                link.stated.setdefault(key, checked)
             if key in self.link.blocks:
                 known, words = self.link.blocks[key], result.tokens.source[unit.start : unit.end].split()
                 if known.words == words and known.result.tokens.file != result.tokens.file:
                     continue  # exports of single blocks repeat the types that these use
+                if is_document(result.tokens.file) and not is_document(known.result.tokens.file):
+                    continue  # of a block that is there as source, too, the source counts
                 self.report("PG805", f"{block.name} is declared twice", block.span, "delete one of the two")
                 continue
             entry = ProgramBlock(len(self.link.blocks), unit, block, kept, number=block.number)
@@ -266,7 +272,9 @@ class Program:
         moving: set[str] = set()
         for entry in self.link.blocks.values():
             if entry.skipped:
-                message = f"the code of {entry.name} is a statement list: the soft CPU does not execute it"
+                drawn = next((network.language for network in entry.unit.networks if network.drawn), "")
+                what = f"has a network in {drawn}" if drawn else "is a statement list"
+                message = f"the code of {entry.name} {what}: the soft CPU does not execute it"
                 self.report("PG827", message, entry.block.span)
             elif entry.block.kind in _CODE and (entry.shape is not None or entry.block.kind is not BlockKind.FB):
                 found = compile_block(entry, self.link)

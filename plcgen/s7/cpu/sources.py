@@ -15,13 +15,13 @@ from plcgen.s7.cpu.program import Program, unfit_start_values
 from plcgen.s7.cpu.sharing import sharing
 from plcgen.s7.cpu.surroundings import Surroundings
 from plcgen.s7.cpu.type_rules import IecCheck
-from plcgen.s7.read.files import MAX_FILES, MAX_SEEN
+from plcgen.s7.read.files import MAX_FILES, MAX_SEEN, TEXT_SUFFIXES
 from plcgen.s7.read.generated import foreign_files
-from plcgen.s7.read.text import SD_SUFFIXES, is_binary_file, left_out, load_text, read_source
+from plcgen.s7.read.text import is_binary_file, load_text, read_source
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.scl.parser import ParseResult
 
-SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", ".st"})
+SUFFIXES = TEXT_SUFFIXES | {".st"}
 """What counts as a PLC source when a folder is searched."""
 
 _TYPED = frozenset({"PG821", "PG824"})
@@ -144,8 +144,7 @@ def _apart(
 def find_sources(path: Path | str) -> list[Path]:
     """Return the sources below a folder, sorted, without binary files of such names; a file is returned as it is.
 
-    Hidden ones and links to folders are left out. Of a folder with SIMATIC SD documents only it is the first of
-    these: what reads it says what that is.
+    Hidden ones and links to folders are left out.
 
     Raises DiagnosticError (PG802) for a folder with more than ``MAX_FILES`` of them, OSError for one that cannot be
     read.
@@ -158,22 +157,13 @@ def find_sources(path: Path | str) -> list[Path]:
     if len(seen) > MAX_SEEN or len(found) > MAX_FILES:
         message = f"more than {MAX_FILES} sources or {MAX_SEEN} files below this folder"
         raise DiagnosticError([Diagnostic("PG802", message, Span(str(path)), help="name a smaller folder")])
-    found = [entry for entry in sorted(found) if not is_binary_file(entry)]
-    return found or sorted(entry for entry in seen if entry.suffix.lower() in SD_SUFFIXES)[:1]
+    return [entry for entry in sorted(found) if not is_binary_file(entry)]
 
 
 def _below(folder: Path) -> Iterator[Path]:
     """The files below a folder, as ``walk`` finds them."""
     for where, _, names in walk(folder):
         yield from (where / name for name in names)
-
-
-def find_left_out(path: Path) -> list[Diagnostic]:
-    """A warning about the SIMATIC SD documents below a folder that has sources, too; nothing for a file."""
-    if not path.is_dir():
-        return []
-    seen = islice(_below(path), MAX_SEEN)
-    return left_out(path, (entry for entry in seen if entry.suffix.lower() in SD_SUFFIXES))
 
 
 def find_documents(path: Path) -> list[Path]:

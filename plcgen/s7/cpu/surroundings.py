@@ -8,12 +8,12 @@ from pathlib import Path
 
 from plcgen.base.diagnostics import Diagnostic
 from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.scl.grammar.documents import IEC_CHECK
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.xml.reading.documents import read_simaticml, read_tag_table
 from plcgen.s7.xml.reading.interface import whole_number
 from plcgen.s7.xml.reading.source import source
 
-IEC_CHECK = "IsIECCheckEnabled"
 _CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
 _UNREADABLE = frozenset({"PG802", "PG804", "PG810", "PG811"})
 """Other codes tell of a document of another kind, or of one member: not what a check of sources is about."""

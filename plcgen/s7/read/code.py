@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -22,9 +23,10 @@ _LAYOUT = frozenset({"Blank", "NewLine", "LineComment", "Comment", "Multilingual
 
 @dataclass(frozen=True, slots=True)
 class Code:
-    """``form`` is ``scl``, ``stl``, ``xml`` or empty (no code); ``tokens`` and their ``lines`` (from 1) run parallel.
+    """``form`` is ``scl``, ``stl``, ``sd`` (drawn networks as text), ``xml`` or empty (no code).
 
-    ``source`` are all lines of the text; it is not that of the file if ``located`` is False.
+    ``tokens`` and their ``lines`` (from 1) run parallel. ``source`` are all lines of the text; it is not
+    that of the file if ``located`` is False.
     """
 
     form: str = ""
@@ -45,13 +47,21 @@ class Code:
 
 
 def unit_code(unit: ast.Unit, result: ParseResult) -> Code:
-    """Tokens of an SCL block behind its declarations; names and keywords in upper case, regions left out."""
+    """Tokens of a block behind its declarations; names and keywords in upper case, regions left out.
+
+    Of a SIMATIC SD document they are those inside of its networks, each behind its language if one of them is drawn.
+    """
     tokens = result.tokens
     lines = tuple(tokens.source.split("\n"))
     texts: list[str] = []
     numbers: list[int] = []
     skip = -1
-    for index, line in _body(unit, result):
+    drawn = any(network.drawn for network in unit.networks)
+    languages = {network.inside[0]: network.language for network in unit.networks} if drawn else {}
+    for index, line in _inside(unit, result) if unit.networks else _body(unit, result):
+        if index and tokens.end(index - 1) in languages:
+            texts.append(languages[tokens.end(index - 1)])
+            numbers.append(line)
         kind, shown = tokens.kinds[index], tokens.texts[index]
         if kind in {"REGION", "END_REGION"}:
             skip = line
@@ -59,7 +69,17 @@ def unit_code(unit: ast.Unit, result: ParseResult) -> Code:
             continue
         texts.append(shown if kind == STRING else shown.upper())
         numbers.append(line)
-    return Code("scl", tuple(texts), tuple(numbers), lines)
+    return Code("sd" if drawn else "scl", tuple(texts), tuple(numbers), lines)
+
+
+def _inside(unit: ast.Unit, result: ParseResult) -> Iterator[tuple[int, int]]:
+    """Token indices and lines of what is inside of the networks that are not empty."""
+    tokens = result.tokens
+    for network in unit.networks:
+        if network.drawn or network.statements:
+            begin, end = (bisect_left(tokens.starts, offset) for offset in network.inside)
+            for index in range(begin, end):
+                yield index, tokens.position(tokens.starts[index])[0]
 
 
 def statement_list_code(unit: ast.Unit, result: ParseResult) -> Code:
@@ -76,8 +96,6 @@ def statement_list_code(unit: ast.Unit, result: ParseResult) -> Code:
 
 def _body(unit: ast.Unit, result: ParseResult) -> Iterator[tuple[int, int]]:
     """Token indices and lines between the declarations and the end of the block."""
-    from bisect import bisect_left
-
     tokens = result.tokens
     start = max([unit.start, *(section.end for section in unit.sections)])
     if unit.statements:

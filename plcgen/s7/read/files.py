@@ -14,8 +14,9 @@ from plcgen.s7.layout.shapes import TypeTable
 from plcgen.s7.read.plcs import by_plc, plc_names
 from plcgen.s7.read.symbols import SUFFIXES as SYMBOL_SUFFIXES
 from plcgen.s7.read.symbols import read_symbols
-from plcgen.s7.read.text import SD_SUFFIXES, is_binary_file, left_out, no_text, read_source
+from plcgen.s7.read.text import is_binary_file, no_text, read_source
 from plcgen.s7.scl.declarations import recursive_types
+from plcgen.s7.scl.grammar import documents
 from plcgen.s7.scl.parser import ParseResult
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.types.data_types import ELEMENTARY, HARDWARE, ArrayType, StructType, innermost, nested
@@ -24,7 +25,7 @@ from plcgen.s7.types.system import system_block
 if TYPE_CHECKING:
     from plcgen.s7.xml.reading.tables import TagTable
 
-TEXT_SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl"})
+TEXT_SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", documents.SUFFIX})
 XML_SUFFIXES = frozenset({".xml"})
 MAX_FILES = 20_000
 """More files below one folder are refused with PG802."""
@@ -53,8 +54,13 @@ class SourceFile:
 
     @property
     def is_xml(self) -> bool:
-        """Whether it is a document rather than text."""
+        """Whether it is SimaticML rather than text."""
         return self.path.suffix.lower() in XML_SUFFIXES
+
+    @property
+    def form(self) -> int:
+        """What its blocks are written in: 0 for sources, 1 for SIMATIC SD, 2 for SimaticML; the lowest counts."""
+        return 2 if self.is_xml else int(documents.is_document(self.path.name))
 
 
 @dataclass(slots=True)
@@ -79,9 +85,9 @@ def read_files(
 ) -> Files:
     """Read files and folders; a folder means every source below it, hidden ones left out.
 
-    Of a block that is there as text and as SimaticML the text counts. Types that are missing are looked for in
-    UDT and SCL files beside the named files, or in ``../udt`` and ``../scl``. Symbol tables of STEP 7 V5
-    (``.sdf``, ``.asc``) give blocks their numbers. ``classic``: the documents are for S7-300/400.
+    Of a block that is there as source and as document the source counts, and SIMATIC SD before SimaticML. Types that
+    are missing are looked for in UDT and SCL files beside the named files, or in ``../udt`` and ``../scl``. Symbol
+    tables of STEP 7 V5 (``.sdf``, ``.asc``) give blocks their numbers. ``classic``: the documents are for S7-300/400.
     ``keep`` gets the syntax tree of every text. Where a folder has the exports of several PLCs, names mean something
     else in each of them; files that belong to none are there for all.
     """
@@ -181,11 +187,9 @@ def source_files(paths: Iterable[Path], diagnostics: list[Diagnostic]) -> Iterat
 def _walk(folder: Path, diagnostics: list[Diagnostic]) -> list[SourceFile]:
     wanted = TEXT_SUFFIXES | XML_SUFFIXES | SYMBOL_SUFFIXES
     found: list[SourceFile] = []
-    other: list[SourceFile] = []
     looked_at = 0
     for where, folders, names in walk(folder):
         found += [SourceFile(where / name, folder) for name in names if Path(name).suffix.lower() in wanted]
-        other += [SourceFile(where / name) for name in names if Path(name).suffix.lower() in SD_SUFFIXES]
         looked_at += len(names) + len(folders)
         if len(found) > MAX_FILES or looked_at > MAX_SEEN:
             message = f"more than {MAX_FILES} sources or {MAX_SEEN} files below this folder"
@@ -195,9 +199,6 @@ def _walk(folder: Path, diagnostics: list[Diagnostic]) -> list[SourceFile]:
     if binary:
         found = [file for file in found if file not in binary]
         diagnostics += no_text(folder, (file.path for file in binary))
-    if not found and other:
-        return other[:1]  # reading it says what it is
-    diagnostics += left_out(folder, (file.path for file in other))
     if not found:
         message = "no PLC source in this folder"
         text = f"sources end in {', '.join(sorted(TEXT_SUFFIXES | XML_SUFFIXES))}"
@@ -277,17 +278,16 @@ def _without_unknown_bounds(
 
 
 def _unique(read: Iterable[tuple[Block, SourceFile]], diagnostics: list[Diagnostic]) -> Iterable[Block]:
-    """Leave out documents that repeat a text source, but keep their number; say so if one text repeats another."""
+    """Leave out documents that repeat a source, but keep their number; say so if one repeats another of its form."""
     kept: dict[tuple[BlockKind, str], tuple[Block, SourceFile]] = {}
     for block, file in read:
         key = (block.kind, block.name.upper())
         first, where = kept.setdefault(key, (block, file))
         if first is block:
             continue
-        if where.is_xml != file.is_xml:
-            text, document = (block, first) if where.is_xml else (first, block)
-            number = document.number if text.number is None else text.number
-            kept[key] = (replace(text, number=number), file if where.is_xml else where)
+        if where.form != file.form:
+            (counts, counting), (other, _) = sorted([(first, where), (block, file)], key=lambda pair: pair[1].form)
+            kept[key] = (counts if counts.number is not None else replace(counts, number=other.number), counting)
             continue
         message = f'{block.kind} "{block.name}" is declared a second time; the one in {where.path} counts'
         place = block.span or Span(str(file.path))

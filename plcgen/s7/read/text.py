@@ -11,14 +11,17 @@ from typing import TYPE_CHECKING
 from plcgen.base.diagnostics import Diagnostic, Severity, Span
 from plcgen.base.diagnostics.counting import quantity, shortlist
 from plcgen.base.files.files import read_bounded
+from plcgen.s7.read.texts import SUFFIX as TEXTS
+from plcgen.s7.read.texts import read_texts
 from plcgen.s7.scl.declarations import blocks
+from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.scl.grammar.documents import is_document
 from plcgen.s7.scl.lexer import tokenize
 from plcgen.s7.scl.parser import MAX_CHARACTERS, parse
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
-    from plcgen.s7.scl.dialect import Dialect
     from plcgen.s7.scl.parser import ParseResult
     from plcgen.s7.types.blocks import Block
 
@@ -37,9 +40,6 @@ _WORD = 4
 """So many letters in a row that are no ASCII do not occur in Western languages."""
 
 _DECLARATIONS_ONLY = frozenset({".awl", ".stl"})
-SD_SUFFIXES = frozenset({".s7dcl", ".s7res"})
-"""SIMATIC SD: what version control of the TIA Portal V20 and later writes for a block, and the texts beside it."""
-_INSTEAD_OF_SD = "export the block as a source (.scl, .udt, .db) or as SimaticML (.xml)"
 _HEAD = 4096
 """So many bytes show whether a file is text."""
 _SHOWN = 3
@@ -71,8 +71,11 @@ def read_source(
     if isinstance(loaded, Diagnostic):
         return [], [loaded]
     text, refused = loaded
-    found, diagnostics = parse_source(text, str(path), dialect, bodies=has_bodies(path), constants=constants, keep=keep)
-    return found, [*refused, *diagnostics]
+    texts, problems = read_texts(Path(path)) if is_document(str(path)) else ({}, [])
+    found, diagnostics = parse_source(
+        text, str(path), dialect, bodies=has_bodies(path), constants=constants, keep=keep, texts=texts
+    )
+    return found, [*refused, *problems, *diagnostics]
 
 
 def load_text(
@@ -80,10 +83,9 @@ def load_text(
 ) -> tuple[str, list[Diagnostic]] | Diagnostic:
     """Text of a file, and PG803 if ``dialect`` misreads its encoding; PG802 or PG804 if there is no text to have."""
     file = str(path)
-    if Path(path).suffix.lower() in SD_SUFFIXES:
-        return Diagnostic(
-            "PG804", "a SIMATIC SD document of the TIA Portal is not read", Span(file), help=_INSTEAD_OF_SD
-        )
+    if Path(path).suffix.lower() == TEXTS:
+        message = "these are the texts of a SIMATIC SD document, not the document"
+        return Diagnostic("PG804", message, Span(file), help=f"name {Path(path).stem}.s7dcl: it brings its texts")
     try:
         data = read_bounded(Path(path), MAX_BYTES)
     except OSError as error:
@@ -92,18 +94,12 @@ def load_text(
     if len(data) > MAX_BYTES:
         return Diagnostic("PG802", f"the file has more than {MAX_BYTES} bytes", Span(file))
     text = decode_source(data, file, encoding)
-    return text if isinstance(text, Diagnostic) else (text, _refused_encoding(data, text, file, dialect))
-
-
-def left_out(folder: Path, documents: Iterable[Path]) -> list[Diagnostic]:
-    """A warning that names the SIMATIC SD documents of a folder whose other sources are read."""
-    names = sorted(path.name for path in documents if path.suffix.lower() == ".s7dcl")
-    if not names:
-        return []
-    shown = shortlist(names, _SHOWN)
-    what = quantity(len(names), "SIMATIC SD document")
-    message = f"{what} of the TIA Portal in this folder not read: {shown}"
-    return [Diagnostic("PG804", message, Span(str(folder)), Severity.WARNING, help=_INSTEAD_OF_SD)]
+    if isinstance(text, Diagnostic):
+        return text
+    refused = _refused_encoding(data, text, file, dialect)
+    if dialect is not None and dialect is not Dialect.TIA_1200_1500 and is_document(file):
+        refused.append(Diagnostic("PG803", f"{dialect.label} does not support SIMATIC SD documents", Span(file)))
+    return text, refused
 
 
 def has_bodies(path: Path | str) -> bool:
@@ -142,16 +138,27 @@ def parse_source(
     bodies: bool = True,
     constants: Mapping[str, int] | None = None,
     keep: Callable[[ParseResult], object] | None = None,
+    texts: Mapping[str, str] | None = None,
 ) -> tuple[list[Block], list[Diagnostic]]:
     """Blocks of a source that is already decoded; ``bodies=False`` skips code, as for STL.
 
-    ``constants`` are the whole numbers of the project by name. ``keep`` gets the syntax tree.
+    ``constants`` are the whole numbers of the project by name. ``keep`` gets the syntax tree. ``texts`` are the words
+    of a SIMATIC SD document by key; PG814 notes the first of its networks whose language is not SCL.
     """
-    result = parse(text, file, dialect, bodies=bodies)
+    result = parse(text, file, dialect, bodies=bodies, texts=texts)
     if keep is not None:
         keep(result)
     found, diagnostics = blocks(result, dialect, constants)
-    return found, sorted([*result.diagnostics, *diagnostics], key=lambda d: d.sort_key)
+    return found, sorted([*result.diagnostics, *diagnostics, *_drawn(result)], key=lambda d: d.sort_key)
+
+
+def _drawn(result: ParseResult) -> Iterator[Diagnostic]:
+    """PG814 for every block with a network that is drawn, at the first one."""
+    for unit in result.units:
+        network = next((network for network in unit.networks if network.drawn), None)
+        if network is not None:
+            message = f"a network in {network.language} is not read: only the interface of this block is used"
+            yield Diagnostic("PG814", message, result.span(network), Severity.NOTE)
 
 
 def decode_source(data: bytes, file: str, encoding: str | None = None) -> str | Diagnostic:

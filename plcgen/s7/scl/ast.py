@@ -354,12 +354,26 @@ class Section(Node):
 
 
 @_node
+class Network(Node):
+    """A network of a SIMATIC SD document: its statements if its language is SCL.
+
+    ``drawn``: it is of another language and not empty. ``inside`` are the offsets of its text.
+    """
+
+    language: str
+    attributes: tuple[Attribute, ...]
+    statements: Body
+    drawn: bool
+    inside: tuple[int, int] = field(compare=False)
+
+
+@_node
 class Unit(Node):
     """A block or type. ``body_type`` is a DB's or UDT's structure, or the type an instance DB is made from.
 
     ``properties`` are TITLE, AUTHOR, NAME, FAMILY, VERSION as text; ``flags`` NON_RETAIN and the like.
     ``statements`` are the code, or the assignments behind BEGIN of a DB; ``code`` are the offsets of its text
-    (-1 if the code was skipped).
+    (-1 if the code was skipped or drawn). ``networks`` are those of a SIMATIC SD document.
     """
 
     keyword: str
@@ -374,6 +388,7 @@ class Unit(Node):
     body_type: TypeSpec | None
     statements: Body
     code: tuple[int, int] = field(default=(0, 0), compare=False)
+    networks: tuple[Network, ...] = field(default=(), compare=False)
 
 
 def walk(root: Node) -> Iterator[Node]:

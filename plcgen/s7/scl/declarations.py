@@ -6,6 +6,7 @@ import re
 from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
+from textwrap import dedent
 from typing import TypeVar
 
 from plcgen.base.diagnostics import Diagnostic, Severity, Span
@@ -15,6 +16,7 @@ from plcgen.s7.scl import ast
 from plcgen.s7.scl.constants import evaluate, project_names, type_of
 from plcgen.s7.scl.cursor import MAX_ERRORS
 from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.scl.grammar.documents import NUMBER, SAFETY, SCL
 from plcgen.s7.scl.parser import ParseResult
 from plcgen.s7.scl.system_types import SYSTEM_TYPES
 from plcgen.s7.scl.unknown_names import UnknownNames, keys_of
@@ -45,6 +47,8 @@ _SECTIONS = {
     "VAR_INPUT": SectionKind.INPUT, "VAR_OUTPUT": SectionKind.OUTPUT, "VAR_IN_OUT": SectionKind.IN_OUT,
     "VAR": SectionKind.STATIC, "VAR_TEMP": SectionKind.TEMP, "CONST": SectionKind.CONSTANT,
 }  # fmt: skip
+_IS_NUMBER = re.compile(r"[0-9]{1,5}")
+_NO_VALUE = ast.Aggregate(0, 0, "(", ())
 _CODE_BLOCKS = frozenset({"FUNCTION_BLOCK", "FUNCTION", "ORGANIZATION_BLOCK"})
 _RETAIN = frozenset({"RETAIN", "NON_RETAIN", "DB_SPECIFIC"})
 _DEFAULT_STRING = 254
@@ -116,6 +120,8 @@ class _Builder:
         kind = _KINDS[unit.keyword]
         attributes = {a.name: a.value for a in unit.attributes}
         optimized = attributes.pop("S7_Optimized_Access", None)
+        number = attributes.pop(NUMBER, "")
+        safety = attributes.pop(SAFETY, "").upper() == "TRUE"
         self.standard = optimized is not None and optimized.upper() == "FALSE"
         self.name = unit.name
         self.constants = self.block_constants(unit)
@@ -138,7 +144,7 @@ class _Builder:
             kind,
             unit.name,
             tuple(sections),
-            number=_number(unit, kind),
+            number=int(number) if _IS_NUMBER.fullmatch(number) else _number(unit, kind),
             instance_of=instance_of,
             optimized=None if optimized is None else optimized.upper() == "TRUE",
             non_retain="NON_RETAIN" in unit.flags,
@@ -148,10 +154,14 @@ class _Builder:
             assignments=self.assignments(unit) if kind is BlockKind.DB else (),
             span=self.result.tokens.span(unit.start, unit.start + len(unit.keyword)),
             code=self.code(unit) if unit.keyword in _CODE_BLOCKS and unit.code[0] >= 0 else None,
+            safety=safety,
         )
 
     def code(self, unit: ast.Unit) -> str:
         """Text of the statements: the rest of the line of BEGIN and the line of the END do not belong to it."""
+        if unit.networks:
+            scl = [network.inside for network in unit.networks if network.language.upper() == SCL]
+            return "\n".join(dedent(trim_code(self.source[begin:stop])) for begin, stop in scl)
         begin, stop = unit.code
         return trim_code(self.source[begin:stop])
 
@@ -181,6 +191,8 @@ class _Builder:
         found: list[Assignment] = []
         for statement in unit.statements:
             if isinstance(statement, ast.Assign) and statement.operator == ":=" and not statement.also:
+                if statement.value == _NO_VALUE:
+                    continue  # a comment of one element in a SIMATIC SD document
                 path, literal = self.text(statement.target), self.text(statement.value)
                 found.append(Assignment(path, literal, self.result.span(statement)))
             elif not isinstance(statement, ast.Label):

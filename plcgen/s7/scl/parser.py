@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from plcgen.base.diagnostics import Diagnostic, Span
@@ -12,6 +13,7 @@ from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.scl.grammar.branches import Branches
 from plcgen.s7.scl.grammar.cases import Cases
 from plcgen.s7.scl.grammar.declarations import Declarations
+from plcgen.s7.scl.grammar.documents import document_tokens, is_document
 from plcgen.s7.scl.grammar.expressions import Expressions
 from plcgen.s7.scl.grammar.labels import CaseLabels
 from plcgen.s7.scl.grammar.statements import Statements
@@ -38,18 +40,29 @@ class ParseResult:
         return self.tokens.span(node.start, node.end)
 
 
-def parse(text: str, file: str, dialect: Dialect | None = None, *, bodies: bool = True) -> ParseResult:
-    """Parse a source; never raises.
+def parse(
+    text: str,
+    file: str,
+    dialect: Dialect | None = None,
+    *,
+    bodies: bool = True,
+    texts: Mapping[str, str] | None = None,
+) -> ParseResult:
+    """Parse a source, or a SIMATIC SD document if the name of the file says so; never raises.
 
     ``dialect`` adds a PG803 for everything its compiler does not accept; None accepts what any of them does.
-    ``bodies=False`` skips the code of FB, FC and OB.
+    ``bodies=False`` skips the code of FB, FC and OB. ``texts`` are the words of a document by key.
     """
     if len(text) > MAX_CHARACTERS:
         large = f"the file has {len(text)} characters, more than {MAX_CHARACTERS}"
         return ParseResult((), (Diagnostic("PG802", large, Span(file)),), tokenize("", file))
-    tokens = tokenize(text, file) if bodies else _statement_list(text, file)
+    words = (texts or {}) if is_document(file) else None
+    if words is not None:
+        tokens = document_tokens(text, file)
+    else:
+        tokens = tokenize(text, file) if bodies else _statement_list(text, file)
     cursor = Cursor(tokens)
-    grammar = _grammar(cursor, bodies=bodies, sign_first=dialect is not None and dialect.is_tia)
+    grammar = _grammar(cursor, words, bodies=bodies, sign_first=dialect is not None and dialect.is_tia)
     units = grammar.read()
     grammar.statements.compound.clear()  # its memory is free now, not when the garbage collector comes
     found = cursor.diagnostics + _lexical(cursor)
@@ -68,7 +81,7 @@ def parse_value(text: str) -> ast.Expression | None:
         return None
 
 
-def _grammar(cursor: Cursor, *, bodies: bool, sign_first: bool) -> Units:
+def _grammar(cursor: Cursor, texts: Mapping[str, str] | None, *, bodies: bool, sign_first: bool) -> Units:
     """Put the parts together: each is given those it needs."""
     expressions = Expressions(cursor, sign_first)
     values = InitialValues(cursor, expressions)
@@ -83,8 +96,8 @@ def _grammar(cursor: Cursor, *, bodies: bool, sign_first: bool) -> Units:
         "REPEAT": branches.repeat_statement, "CASE": cases.case_statement, "REGION": cases.region,
         "EXIT": statements.jump, "CONTINUE": statements.jump, "RETURN": statements.jump, "GOTO": statements.goto,
     }  # fmt: skip
-    declarations = Declarations(cursor, expressions, values)
-    return Units(cursor, declarations, values, statements, bodies)
+    declarations = Declarations(cursor, expressions, values, texts)
+    return Units(cursor, declarations, values, statements, bodies, texts)
 
 
 def _statement_list(text: str, file: str) -> Tokens:

@@ -48,6 +48,6 @@ def is_optimized(block: Block, types: Mapping[str, Block], *, classic: bool) -> 
 
 
 def is_numbered(block: Block) -> bool:
-    """Whether the text of a block has a number: only STEP 7 V5 writes one there, which has standard access only."""
-    is_text = block.span is not None and not block.span.file.lower().endswith(".xml")
+    """Whether the source of a block has a number: only STEP 7 V5 writes one there, which has standard access only."""
+    is_text = block.span is not None and not block.span.file.lower().endswith((".xml", ".s7dcl"))
     return is_text and block.number is not None

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.cursor import Cursor, SyntaxFault, unquote
-from plcgen.s7.scl.grammar import foreign
+from plcgen.s7.scl.grammar import documents, foreign
 from plcgen.s7.scl.grammar.expressions import Expressions
 from plcgen.s7.scl.grammar.foreign import FOREIGN_SECTIONS
 from plcgen.s7.scl.grammar.values import InitialValues
@@ -25,11 +26,13 @@ _NUMBERED = frozenset({"UDT", "FB", "SFB", "FC", "SFC", "DB", "OB"})
 
 @dataclass(slots=True, eq=False)
 class Declarations:
-    """Everything between the header and BEGIN."""
+    """Everything between the header and BEGIN; ``texts`` are the words of a SIMATIC SD document by key."""
 
     cursor: Cursor
     expressions: Expressions
     values: InitialValues
+    texts: Mapping[str, str] | None = None
+    comment: str = ""
 
     def section(self) -> ast.Section:
         """One section with its END; faults inside cost one declaration each."""
@@ -94,10 +97,15 @@ class Declarations:
         return tuple(found)
 
     def at_keyword_as_name(self) -> bool:
-        """Whether a keyword that would end the section is declared as a name; BEGIN may have attributes behind."""
+        """Whether a keyword that would end the section is declared as a name; BEGIN may have attributes behind.
+
+        In a SIMATIC SD document attributes stand in front: there they are those of what follows.
+        """
         cursor = self.cursor
         following = cursor.kind(1)
-        return following in {":", ","} or (following == "{" and cursor.kinds[cursor.pos] != "BEGIN")
+        if following == "{":
+            return self.texts is None and cursor.kinds[cursor.pos] != "BEGIN"
+        return following in {":", ","}
 
     def skip_declaration(self) -> None:
         """Go behind the next semicolon, or to the keyword that ends the section; structures as a whole."""
@@ -128,6 +136,8 @@ class Declarations:
         """Read a name with its attributes, behind it or in front of it."""
         cursor = self.cursor
         before = cursor.attributes() if cursor.kinds[cursor.pos] == "{" else ()
+        if before and self.texts is not None:
+            before, self.comment = documents.of_member(before, self.texts)
         pos = cursor.pos
         name = cursor.word("a declaration")
         attributes = before + cursor.attributes() if cursor.kinds[cursor.pos] == "{" else before
@@ -139,7 +149,9 @@ class Declarations:
         """Read ``a, b AT x : type := value; // comment``."""
         cursor = self.cursor
         start = cursor.start
+        self.comment = ""
         names = [self.declared_name()]
+        comment = self.comment
         while cursor.accept(","):
             names.append(self.declared_name())
         at = None
@@ -154,7 +166,7 @@ class Declarations:
         initial = self.values.read() if cursor.accept(":=") else None
         end = cursor.last_end
         self.end_of_declaration(optional=initial is None and _ends_structure(spec))
-        return ast.Declaration(start, end, tuple(names), at, spec, initial, self.comment_of(spec))
+        return ast.Declaration(start, end, tuple(names), at, spec, initial, comment or self.comment_of(spec))
 
     def overlaid(self) -> str:
         """Read the name behind AT; some write ``#`` in front of it."""

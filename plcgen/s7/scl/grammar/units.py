@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from textwrap import dedent
 
@@ -10,6 +11,7 @@ from plcgen.s7.scl import ast
 from plcgen.s7.scl.cursor import Abort, Cursor, SyntaxFault, unquote
 from plcgen.s7.scl.grammar import foreign, mistakes
 from plcgen.s7.scl.grammar.declarations import Declarations
+from plcgen.s7.scl.grammar.documents import Header, Networks
 from plcgen.s7.scl.grammar.statements import Statements
 from plcgen.s7.scl.grammar.values import InitialValues
 from plcgen.s7.scl.grammar.words import SECTIONS, UNIT_ENDS, UNITS
@@ -29,13 +31,19 @@ _NUMBERED = frozenset({"DB", "FB", "FC", "OB", "UDT", "SFB", "SFC"})
 
 @dataclass(slots=True, eq=False)
 class Units:
-    """All of a source; ``bodies=False`` reads declarations and skips code (for STL sources)."""
+    """All of a source; ``bodies=False`` reads declarations and skips code (for STL sources).
+
+    ``texts`` are the words of a SIMATIC SD document by key, None for SCL; ``before`` are the attributes in front of a
+    block of such a document.
+    """
 
     cursor: Cursor
     declarations: Declarations
     values: InitialValues
     statements: Statements
     bodies: bool
+    texts: Mapping[str, str] | None = None
+    before: tuple[ast.Attribute, ...] = ()
     comment_lines: list[str] = field(default_factory=list)
     code_start: int = 0
 
@@ -83,9 +91,9 @@ class Units:
             self.skip_to_unit()
 
     def skip_pragma(self) -> None:
-        """Attributes outside every block."""
+        """Attributes outside every block; in a SIMATIC SD document they belong to the next one."""
         try:
-            self.cursor.attributes()
+            self.before += self.cursor.attributes()
         except SyntaxFault as fault:
             self.cursor.report(fault)
             self.skip_to_unit()
@@ -107,13 +115,15 @@ class Units:
         keyword = cursor.kinds[opener]
         cursor.pos += 1
         foreign.skip_access(cursor)
+        if self.texts is not None and keyword == "TYPE":
+            self.before += cursor.attributes()
         quoted = cursor.kinds[cursor.pos] == QUOTED
         name = self.block_name()
         foreign.skip_inheritance(cursor)
         return_type = None
         if keyword == "FUNCTION" and cursor.accept(":"):
             return_type = self.declarations.type_spec()
-        elif keyword == "TYPE":
+        elif keyword == "TYPE" or (self.texts is not None and keyword == "DATA_BLOCK"):
             cursor.accept(":")
         self.comment_lines = []
         attributes, properties, flags = self.header()
@@ -121,19 +131,36 @@ class Units:
             return_type = self.declarations.type_spec()
         self.collect_comment()
         comment = dedent("\n".join(self.comment_lines))
+        if self.texts is not None:
+            said = Header.of(keyword, self.before, self.texts)
+            attributes, properties, flags = (
+                said.attributes + attributes, said.properties + properties, said.flags + flags
+            )  # fmt: skip
+            comment = said.comment or comment
+        self.before = ()
         sections, body_type = self.declaration_part(keyword)
         if isinstance(body_type, ast.TypeName):
             more = self.header()
             attributes, properties, flags = attributes + more[0], properties + more[1], flags + more[2]
-        statements = self.code(keyword)
-        code = self.code_start, cursor.start
+        networks = Networks(cursor, self.statements).read() if self.has_networks(keyword) else ()
+        if networks:
+            drawn = any(network.drawn for network in networks)
+            statements = () if drawn else tuple(one for network in networks for one in network.statements)
+            code = (-1 if drawn else networks[0].inside[0]), networks[-1].inside[1]
+        else:
+            statements = self.code(keyword)
+            code = self.code_start, cursor.start
         if not cursor.accept("END_" + keyword):
             self.missing_end(keyword)
         cursor.accept(";")
         return ast.Unit(
             cursor.starts[opener], cursor.last_end, keyword, name, quoted, return_type, attributes, properties,
-            flags, comment, sections, body_type, statements, code,
+            flags, comment, sections, body_type, statements, code, networks,
         )  # fmt: skip
+
+    def has_networks(self, keyword: str) -> bool:
+        """Whether the code of this block stands in networks."""
+        return self.texts is not None and self.bodies and keyword not in {"DATA_BLOCK", "TYPE"}
 
     def missing_end(self, keyword: str) -> None:
         """Report it and go on at a place where a block can begin."""
@@ -215,7 +242,12 @@ class Units:
                 sections.append(self.declarations.section())
             elif kind == NAME and not data and mistakes.misspelt_section(cursor):
                 continue
-            elif data and body_type is None and kind in {"STRUCT", "ARRAY", NAME, QUOTED, "{"}:
+            elif (
+                data
+                and body_type is None
+                and kind in {"STRUCT", "ARRAY", NAME, QUOTED, "{"}
+                and not (sections and self.texts is not None)  # start values of a SIMATIC SD document
+            ):
                 body_type = self.declarations.type_spec()
                 if keyword == "TYPE" and cursor.kinds[cursor.pos] == "(":
                     sections.append(self.declarations.named_values(body_type))
