@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime as dt
 import math
 import re
 import struct
@@ -143,17 +142,6 @@ def from_s5(word: int) -> int:
         return 0
 
 
-def dt_part(data: bytes, target: str) -> int:
-    """DATE or TIME_OF_DAY of a DATE_AND_TIME."""
-    try:
-        moment = durations.unpack_dt(data)
-    except ValueError:
-        return 0
-    if target == "DATE":
-        return (moment.date() - dt.date(1990, 1, 1)).days
-    return ((moment.hour * 60 + moment.minute) * 60 + moment.second) * 1000 + moment.microsecond // 1000
-
-
 def _real(function: Callable[[float], float]) -> Callable[[float], float]:
     def safe(value: float) -> float:
         try:
@@ -292,6 +280,6 @@ def functions() -> dict[str, Callable[..., Any]]:
     found |= {f"t_{name}": function for name, function in texts.items()}
     own = (real_ne, power, to_int, whole, bits_real, real_bits, shl, shr, rol, ror, limit, mux, bcd_to_int, int_to_bcd)
     found |= {function.__name__: function for function in own}
-    times = (to_s5, from_s5, dt_part, text_to, text_to_v5, to_text, to_text_v5)
+    times = (to_s5, from_s5, text_to, text_to_v5, to_text, to_text_v5)
     found |= {function.__name__: function for function in times}
     return found | {"f32": single, "sqr": lambda x: x * x}

@@ -7,24 +7,29 @@ import struct
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from types import FrameType, TracebackType
 from typing import Any, Literal
 
 from plcgen.base.diagnostics import DiagnosticError
 from plcgen.s7.cpu import arithmetic
 from plcgen.s7.cpu.decisions import Table
+from plcgen.s7.cpu.kinds import Kind, element_at, kind_at, typed
 from plcgen.s7.cpu.linkage import Compiled, Probe, ProgramBlock
 from plcgen.s7.cpu.memory import Memory, codec_functions
 from plcgen.s7.cpu.preemption import Passage, Plan, Preemption
 from plcgen.s7.cpu.program import Program
 from plcgen.s7.cpu.retention import restart_block
 from plcgen.s7.cpu.symbols import Symbols
+from plcgen.s7.cpu.system import moments
 from plcgen.s7.cpu.system.bus import Periphery
 from plcgen.s7.cpu.system.clock import SystemClock
 from plcgen.s7.cpu.system.interfaces import TIMERS, SystemFb
+from plcgen.s7.cpu.system.library import ROWS
 from plcgen.s7.cpu.system.moves import AccessFaultError, MemoryMoves
 from plcgen.s7.cpu.system.point_to_point import PORT_BLOCKS, PortBlock
 from plcgen.s7.cpu.system.record import PLACES, RecordBlock, RecordJobs, RecordPlaces
+from plcgen.s7.cpu.system.s5 import Cells
 from plcgen.s7.cpu.system.timers import counter, edge, query, timer
 from plcgen.s7.layout.image import Tree
 from plcgen.s7.layout.layout import layout_block
@@ -78,12 +83,14 @@ class Cpu:
         self.faulted = False
         self.time = SystemClock()
         self._clock = self.time.cell
+        self.cells = Cells(self._clock)
         places = RecordPlaces(each=job_limit) if isinstance(job_limit, int) else job_limit or PLACES[self.family]
         self._eno = [True]
         self.records = RecordJobs(self.bus, self._clock, self._eno, places, idle_needs_place=self.family == "s7-1500")
         self._passes = [0, loop_limit]
         self.counters = [0] * len(program.probes)
         self._decisions: list[Table] = []
+        self._kinds: list[Kind] = []
         self._compiled: dict[str, Compiled] = {}
         self._callables: dict[str, tuple[ProgramBlock, tuple[Any, ...]]] = {}
         self.areas = {area: Memory(AREA_SIZE, area) for area in "IQMP"}
@@ -123,11 +130,15 @@ class Cpu:
         for name in (abs, min, max, int, float, ord, chr, round):
             names[name.__name__] = name
         names |= codec_functions() | arithmetic.functions() | self._moves.functions()
+        names |= {"moment": moments.convert, "ns": moments.to_ns, "add_ns": moments.add, "sub_ns": moments.subtract}
+        names |= {"typed": typed, "element_at": element_at, "kind_at": kind_at, "K": self._kinds}
+        cpu_parts = {"cells": self.cells, "time": self.time}
+        for key, row in ROWS.items():
+            names[f"L_{key}"] = partial(row.function, cpu_parts[row.of]) if row.of else row.function
         names |= self.areas
         names |= {f"d{index}": memory for index, memory in self.blocks.items()}
         names |= {
             "T": self._clock,
-            "rd_sys_t": self.time.read_dtl,
             "ob_info": self.time.start_information,
             "W": self._passes,
             "E": self._eno,
@@ -136,7 +147,7 @@ class Cpu:
             "D": self._decisions,
         }
         names |= {"Z": self.preemption.point, "dis_airt": self.preemption.delay, "en_airt": self.preemption.enable}
-        names |= {"ix": _bad_index, "ck": _address, "late": self._late}
+        names |= {"unsupported": _unsupported, "ix": _bad_index, "ck": _address, "late": self._late}
         names |= {"w_bit": _write_bit, "st": self._status_read}
         names |= arithmetic.Division(self._report).functions()
         for system in {id(system): system for system in self.program.systems.values()}.values():
@@ -148,6 +159,7 @@ class Cpu:
 
     def _load(self, blocks: Iterable[Compiled]) -> None:
         """Make the functions of compiled blocks, with the tables of their conditions."""
+        self._kinds[:] = self.program.link.kinds
         decisions = self.program.link.decisions[len(self._decisions) :]
         self._decisions += (Table(decision, self.counters) for decision in decisions)
         for compiled in blocks:
@@ -291,6 +303,8 @@ class Cpu:
                 restart_block(memory, self.program.images[entry.index], entry, self.program.link)
         for memory in self.areas.values():
             memory[:] = bytes(AREA_SIZE)
+        self.cells.timers.clear()
+        self.cells.counters.clear()
         self.drop_records()
         if self._start_up is not None:
             self._passes[0] = self._moves.moved = 0
@@ -404,6 +418,10 @@ class Cpu:
 
 def _bad_index(value: int, low: int, high: int) -> int:
     raise AccessFaultError("PG834", f"index {value} is outside {low}..{high}")
+
+
+def _unsupported(what: str) -> None:
+    raise AccessFaultError("PG827", what)
 
 
 def _address(value: int, last: int) -> int:

@@ -9,6 +9,7 @@ from types import CodeType
 
 from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.s7.cpu.decisions import Decision
+from plcgen.s7.cpu.kinds import Kind
 from plcgen.s7.cpu.type_rules import IecCheck, TypeRules
 from plcgen.s7.layout.shapes import Shape
 from plcgen.s7.scl import ast
@@ -22,6 +23,7 @@ from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.types.data_types import NamedType
 
 _NUMBERED = re.compile(r"(?:DB|FB|FC|OB|SFB|SFC|UDT)[0-9]{1,5}", re.ASCII)
+_CELL = re.compile(r"[TCZ][0-9]{1,5}", re.ASCII)
 ENO = re.compile(r"\b(?:ENO|OK)\b", re.IGNORECASE)
 """A word for the enable output of a block."""
 
@@ -151,6 +153,14 @@ class Linkage:
     opaque: set[str] = field(default_factory=set)
     unknown: UnknownNames = field(default_factory=UnknownNames)
     guessed_bounds: bool = False
+    cells: dict[str, int] = field(default_factory=dict)
+    """Tags of S5 timers and counters, and their numbers."""
+    kinds: dict[Kind, int] = field(default_factory=dict)
+    """Kinds of variables that are handed over as VARIANT or ``ARRAY[*]``, with their numbers in generated code."""
+
+    def number(self, kind: Kind) -> int:
+        """Number of a kind in generated code."""
+        return self.kinds.setdefault(kind, len(self.kinds))
 
     def add_constants(self, constants: Mapping[str, int], user_constants: Mapping[str, tuple[str, str]]) -> None:
         """Take over the constants of the project."""
@@ -222,6 +232,9 @@ class Linkage:
         for name, target in tags.items():
             text, type_ = (target, "") if isinstance(target, str) else target
             upper = text.strip().lstrip("%").replace(" ", "").upper()
+            if _CELL.fullmatch(upper):
+                self.cells[name.upper()] = int(upper[1:])
+                continue
             if _NUMBERED.fullmatch(upper):
                 self.aliases[upper] = name.upper()
                 self.addresses[name.upper()] = upper

@@ -140,9 +140,16 @@ class Program:
         program.diagnostics = sorted(said, key=lambda d: d.sort_key)
         return program
 
-    def report(self, code: str, message: str, span: Span | None = None, text: str = "") -> None:
+    def report(
+        self,
+        code: str,
+        message: str,
+        span: Span | None = None,
+        text: str = "",
+        severity: Severity = Severity.ERROR,
+    ) -> None:
         """Add a diagnostic."""
-        self.diagnostics.append(Diagnostic(code, message, span or Span(""), help=text))
+        self.diagnostics.append(Diagnostic(code, message, span or Span(""), severity, help=text))
 
     # --- reading --------------------------------------------------------------------------------------
 
@@ -275,7 +282,7 @@ class Program:
                 drawn = next((network.language for network in entry.unit.networks if network.drawn), "")
                 what = f"has a network in {drawn}" if drawn else "is a statement list"
                 message = f"the code of {entry.name} {what}: the soft CPU does not execute it"
-                self.report("PG827", message, entry.block.span)
+                self.report("PG827", message, entry.block.span, severity=Severity.WARNING)
             elif entry.block.kind in _CODE and (entry.shape is not None or entry.block.kind is not BlockKind.FB):
                 found = compile_block(entry, self.link)
                 self.compiled.append(found)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import deepcopy
 from dataclasses import dataclass, replace
 
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.system.record import Key, RecordJob
+from plcgen.s7.cpu.system.s5 import Cell
 
 
 @dataclass(frozen=True, slots=True)
 class CpuState:
-    """Memory, clock and record jobs of a CPU; drives and serial ports are not in it."""
+    """Memory, clock, S5 timers and counters, and record jobs of a CPU; drives and serial ports are not in it."""
 
     blocks: Mapping[int, bytes]
     areas: Mapping[str, bytes]
@@ -20,6 +22,7 @@ class CpuState:
     jobs: Mapping[Key, RecordJob]
     orphans: tuple[RecordJob, ...]
     misuses: int
+    cells: tuple[dict[int, Cell], dict[int, Cell]]
 
 
 def freeze(cpu: Cpu) -> CpuState:
@@ -33,6 +36,7 @@ def freeze(cpu: Cpu) -> CpuState:
         {key: replace(job) for key, job in records.jobs.items()},
         tuple(replace(job) for job in records.orphans),
         len(cpu.misuses),
+        deepcopy((cpu.cells.timers, cpu.cells.counters)),
     )
 
 
@@ -47,4 +51,5 @@ def thaw(cpu: Cpu, state: CpuState) -> None:
     cpu.records.jobs.clear()
     cpu.records.jobs.update({key: replace(job) for key, job in state.jobs.items()})
     cpu.records.orphans = [replace(job) for job in state.orphans]
+    cpu.cells.timers, cpu.cells.counters = deepcopy(state.cells)
     del cpu.misuses[state.misuses :]

@@ -21,6 +21,8 @@ class IecCheck(enum.StrEnum):
 
 INT_CONST, REAL_CONST, TEXT_CONST = "#int", "#real", "#text"
 """Types of literals that take the type of their surroundings."""
+TYPE_NAME = "#type"
+"""Type of what TypeOf gives, and of the name of a type beside it."""
 
 SIGNED = {"SINT": 8, "INT": 16, "DINT": 32, "LINT": 64}
 UNSIGNED = {"USINT": 8, "UINT": 16, "UDINT": 32, "ULINT": 64}
@@ -286,7 +288,7 @@ _CLASSIC_CONVERSIONS = {
 
 _STAMPS = ("DATE", "TIME_OF_DAY", "LTIME_OF_DAY", "DATE_AND_TIME", "LDT", "DTL")
 _CLOCKS = {("TIME", "TIME_OF_DAY"), ("LTIME", "LTIME_OF_DAY"), ("LTIME", "LDT"), ("DATE", "LDT")}
-NOT_EXECUTED = frozenset(
+_MODERN_CONVERSIONS = frozenset(
     {("STRING", "WSTRING"), ("WSTRING", "STRING"), ("CHAR", "WCHAR"), ("WCHAR", "CHAR"), ("STRING", "CHAR"),
      ("WCHAR", "WSTRING"), ("WSTRING", "WCHAR"), *((name, "WSTRING") for name in (*INTEGERS, *REALS)),
      *(("WSTRING", name) for name in (*INTEGERS, *REALS)),
@@ -296,7 +298,7 @@ NOT_EXECUTED = frozenset(
      ("TIME_OF_DAY", "LTIME_OF_DAY"), ("LTIME_OF_DAY", "TIME_OF_DAY"), ("STRING", "ULINT"), ("STRING", "LREAL"),
      *((name, "WCHAR") for name in (*INTEGERS, *BITS)), *(("WCHAR", name) for name in (*INTEGERS, *BITS))}
 )  # fmt: skip
-"""Conversions of the S7-1200/1500 that the soft CPU does not have."""
+"""Conversions of texts, dates and times of the S7-1200/1500 (help of the TIA Portal, "Explicit conversion")."""
 
 
 @cache
@@ -314,4 +316,5 @@ def conversions(*, classic: bool) -> frozenset[tuple[str, str]]:
         pairs |= {("TIME", "LTIME"), ("LTIME", "TIME"), ("TIME", "S5TIME"), ("S5TIME", "TIME")}
         pairs |= {("UINT", name) for name in HARDWARE} | {(name, "UINT") for name in HARDWARE}
         pairs |= {("WORD", name) for name in HARDWARE} | {(name, "WORD") for name in HARDWARE}
+        pairs |= _MODERN_CONVERSIONS
     return frozenset(pairs)

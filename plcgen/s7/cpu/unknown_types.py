@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-from plcgen.base.diagnostics import Diagnostic, Span
+from plcgen.base.diagnostics import Diagnostic, Severity, Span
 from plcgen.s7.cpu.linkage import Linkage
 from plcgen.s7.layout.shapes import NO_MEMORY, near_type
 from plcgen.s7.scl.dialect import Dialect
@@ -99,7 +99,8 @@ def _is_known(type_: NamedType, link: Linkage) -> bool:
 def _report(type_: NamedType, span: Span, link: Linkage, *, library: bool) -> Diagnostic:
     name = type_.name
     if library or name.upper() in SYSTEM_TYPES | INSTRUCTIONS or _LIBRARY.fullmatch(name):
-        return Diagnostic("PG827", f"the members of {name} are not known to plcgen", span)
+        message = f"the members of {name} are not known to plcgen"
+        return Diagnostic("PG827", message, span, Severity.WARNING)
     declared = [block.name for key, block in link.types.items() if key not in link.opaque]
     near = near_type(name, declared)
     return Diagnostic("PG806", f"unknown data type {name}", span, help=near or "also name the file that declares it")

@@ -27,7 +27,7 @@ def test_errors(case):
 @pytest.mark.parametrize("case", RIGHT, ids=[case["name"] for case in RIGHT])
 def test_idioms_of_public_sources_raise_no_alarm(case):
     """What compiles in STEP 7 is not called wrong; at most the soft CPU says that it does not execute it."""
-    errors = {d.code for d in load(case).diagnostics if d.severity is Severity.ERROR}
+    errors = {d.code for d in load(case).diagnostics if d.severity is Severity.ERROR or d.code == "PG827"}
     assert errors == ({"PG827"} if "not_executed" in case else set())
 
 

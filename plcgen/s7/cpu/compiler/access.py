@@ -78,7 +78,7 @@ class Access:
     def load(self, place: MemoryPlace) -> Val:
         """Value of a scalar place; a structure stays a place."""
         type_ = scalar_name(place.shape)
-        if self.context.link.is_opaque(place.shape):
+        if self.context.is_opaque(place.shape):
             return Val("0", UNKNOWN, place=place)
         if place.local:
             return Val(place.local, type_, place=place)

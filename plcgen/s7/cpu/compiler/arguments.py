@@ -21,7 +21,7 @@ from plcgen.s7.cpu.system.interfaces import SystemFb
 from plcgen.s7.layout.shapes import Shape
 from plcgen.s7.scl import ast
 from plcgen.s7.types.blocks import SectionKind
-from plcgen.s7.types.data_types import Elementary, Member
+from plcgen.s7.types.data_types import ArrayType, DataType, Elementary, Member
 
 _IN, _OUT, _INOUT = SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT
 _OWN_MEMORY = re.compile(r"\((m|t|d[0-9]+),")
@@ -84,6 +84,10 @@ class Arguments:
                     self.context, self.expressions.value(argument.value), scalar_name(target.shape), argument.value
                 )
                 self.out.emit(f"{passed.buffer}={code}")
+                continue
+            if scalar_name(target.shape) == "VARIANT":
+                code = self.references.typed(argument.value)
+                self.out.emit(f"keep({place.mem},{self.access.address(place)},{upper!r},{code})")
                 continue
             if kind is not _OUT:
                 lender = called if isinstance(called, ProgramBlock) and kind is _INOUT else None
@@ -167,11 +171,11 @@ class Arguments:
                     given[upper] = argument
         return given
 
-    def structured(self, argument: ast.Argument, kind: SectionKind) -> str:
+    def structured(self, argument: ast.Argument, kind: SectionKind, type_: DataType) -> str:
         """Memory and offset of an argument passed by reference."""
         if kind is not _IN and self.place_of_argument(argument) is None:
             return "(None,0,0)"
-        return self.references.reference(argument.value)
+        return self.references.reference(argument.value, typed=isinstance(type_, ArrayType) and not type_.bounds)
 
     def lend(self, code: str, called: ProgramBlock, lent: list[tuple[str, str]]) -> str:
         """Reference to hand over for a structured IN_OUT: a copy, if the access settings of both sides differ."""
@@ -212,17 +216,15 @@ class Arguments:
     ) -> None:
         """Store one input; a structured IN_OUT of ``called`` may be lent as a copy."""
         type_ = scalar_name(target.shape)
-        if type_ == "VARIANT":
-            self.context.error("PG827", "the soft CPU does not support VARIANT in a function block", argument)
-            self.references.reference(argument.value)
-            return
         if type_ in {"POINTER", "ANY"} and not (
             isinstance(argument.value, ast.Name) and type_ == self.kind_of(argument)
         ):
             if kind is _INOUT and self.references.is_constant(argument.value):
                 self.place_of_argument(argument)
                 return
-            code = self.references.reference(argument.value)
+            member = target.member.type if target.member is not None else None
+            is_open = isinstance(member, ArrayType) and not member.bounds
+            code = self.references.reference(argument.value, typed=is_open)
             if type_ == "POINTER" and called is not None:
                 code = self.lend(code, called, lent)
             pack = "any10" if type_ == "ANY" else "ptr6"

@@ -106,7 +106,7 @@ class Assignments:
     def assign_value(self, place: MemoryPlace, value: Val, node: ast.Expression) -> None:
         """Store a value with its implicit conversion; structures are copied."""
         type_ = scalar_name(place.shape)
-        if value.type == UNKNOWN or self.context.link.is_opaque(place.shape):
+        if value.type == UNKNOWN or self.context.is_opaque(place.shape):
             return
         if type_ == "VARIANT" and not (place.local and value.type == type_):
             self.point(value, node)

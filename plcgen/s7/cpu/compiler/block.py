@@ -14,6 +14,7 @@ from plcgen.s7.cpu.compiler.context import Context, Listing
 from plcgen.s7.cpu.compiler.decisions import Decisions
 from plcgen.s7.cpu.compiler.expressions import Expressions
 from plcgen.s7.cpu.compiler.functions import Functions
+from plcgen.s7.cpu.compiler.library import Library
 from plcgen.s7.cpu.compiler.loops import Labels, Loops, Watchdog, has_labels
 from plcgen.s7.cpu.compiler.moves import Moves
 from plcgen.s7.cpu.compiler.opened import OpenedBlocks
@@ -21,7 +22,7 @@ from plcgen.s7.cpu.compiler.operands import Operands
 from plcgen.s7.cpu.compiler.operators import Operators
 from plcgen.s7.cpu.compiler.places import Places
 from plcgen.s7.cpu.compiler.references import References
-from plcgen.s7.cpu.compiler.scope import Scope, function_parameters, scalar_name
+from plcgen.s7.cpu.compiler.scope import Scope, function_parameters, is_open, scalar_name
 from plcgen.s7.cpu.compiler.statements import Statements
 from plcgen.s7.cpu.compiler.values import Symbol
 from plcgen.s7.cpu.linkage import ENO, Compiled, Linkage, ProgramBlock
@@ -55,10 +56,11 @@ def compile_block(
     context = Context(owner, scope, link, out, dynamic, plain is not None, known)
     name = context.function(owner.index, moving=dynamic)
     file = owner.result.tokens.file
-    expressions, statements = Expressions(), Statements(context, out)
+    access = Access(context, out)
+    expressions, statements = Expressions(), Statements(context, out, access)
     source, code = "", None
     try:
-        _frame(context, expressions, statements).compile(name)
+        _frame(context, access, expressions, statements).compile(name)
         out.tidy()
         source = "\n".join(out.lines)
         if not has_errors(context.diagnostics):
@@ -76,10 +78,9 @@ def compile_block(
     return Compiled(owner.name, name, source, out.map, file, code, diagnostics, context.calls, moving, counters)
 
 
-def _frame(context: Context, expressions: Expressions, statements: Statements) -> _Frame:
+def _frame(context: Context, access: Access, expressions: Expressions, statements: Statements) -> _Frame:
     """Put the parts together: each is given those it needs."""
     out = context.out
-    access = Access(context, out)
     places = Places(context, out, access, expressions, OpenedBlocks(context, expressions))
     references = References(context, out, access, expressions, places)
     operators = Operators(context, access, expressions, places)
@@ -87,11 +88,12 @@ def _frame(context: Context, expressions: Expressions, statements: Statements) -
     assignments = Assignments(context, out, access, expressions, places)
     arguments = Arguments(context, access, expressions, places, references, assignments, out)
     functions = Functions(context, expressions)
+    library = Library(context, out, access, expressions, references, assignments, functions)
     moves = Moves(context, out, access, expressions, places, references, assignments, functions)
     watchdog = Watchdog(out)
     calls = Calls(
-        context, out, access, expressions, places, references, assignments, arguments, functions, moves,
-        watchdog,
+        context, out, access, expressions, places, references, assignments, arguments, functions, library,
+        moves, watchdog,
     )  # fmt: skip
     expressions.parts |= {
         ast.Name: operands.name, ast.Literal: operands.literal, ast.Slice: operands.slice,
@@ -201,11 +203,19 @@ class _Frame:
                 self.parameter_prologue(kind, member, how, symbol)
         for name, symbol in self.context.scope.copied:
             if symbol.place is not None:
-                self.out.emit(f"{name}_m,{name}_o=deref(r_x(m,{self.access.address(symbol.place)},6))")
+                pointer = f"r_x(m,{self.access.address(symbol.place)},6)"
+                self.out.emit(f"{name}_m,{name}_o=deref({pointer})")
+                declared = self.context.scope.symbols[symbol.name.upper()].place
+                if declared is not None and is_open(declared.shape):
+                    self.out.emit(f"{name}_r=pointed({pointer})")
+        base = "o" if self.context.dynamic else "0"
+        for name, key in self.context.scope.variants:
+            self.out.emit(f"{name}=kept(m,{base},{key!r})")
         groups: dict[str, list[str]] = {}
         for name, type_ in self.context.scope.locals:
             if name.startswith("v"):
                 default = CODECS[type_].default if type_ in CODECS else "False"
+                default = "(None,0,0)" if type_ == "VARIANT" else default
                 groups.setdefault(default, []).append(name)
         link = self.context.link
         litter = _LITTER if link.litter and not link.optimized(self.context.owner) else {}
@@ -247,3 +257,5 @@ class _Frame:
             if kind is SectionKind.RETURN and symbol.place is not None:
                 self.out.emit(f"{name}=(local({symbol.place.shape.bits // 8}),0,0)")
             self.out.emit(f"{name}_m,{name}_o=there({name})")
+            if symbol.place is not None and is_open(symbol.place.shape):
+                self.out.emit(f"{name}_r={name}")

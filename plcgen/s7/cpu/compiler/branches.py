@@ -10,7 +10,7 @@ from plcgen.s7.cpu.compiler.conversions import truth
 from plcgen.s7.cpu.compiler.expressions import Expressions
 from plcgen.s7.cpu.compiler.statements import Statements
 from plcgen.s7.cpu.compiler.values import UNKNOWN
-from plcgen.s7.cpu.type_rules import BITS, INT_CONST, INTEGERS
+from plcgen.s7.cpu.type_rules import BITS, INT_CONST, INTEGERS, TYPE_NAME
 from plcgen.s7.scl import ast
 from plcgen.s7.types.values import RANGES
 
@@ -72,7 +72,9 @@ class Branches:
     def case_statement(self, node: ast.Case) -> bool:
         """CASE as a chain of comparisons with the selector in a local."""
         value = self.expressions.value(node.selector)
-        if value.type not in INTEGERS and value.type not in BITS and value.type not in {UNKNOWN, "CHAR", INT_CONST}:
+        if value.type == TYPE_NAME:
+            pass
+        elif value.type not in INTEGERS and value.type not in BITS and value.type not in {UNKNOWN, "CHAR", INT_CONST}:
             self.context.error("PG821", f"a selector is an integer, not {value.type or 'a structure'}", node.selector)
         name = self.out.temporary()
         self.out.emit(f"{name}={value.wrapped}")
@@ -102,6 +104,8 @@ class Branches:
             value = self.expressions.value(end)
             if value.type == UNKNOWN:
                 return "False"
+            if value.type == type_ == TYPE_NAME and label.high is None:
+                return f"{name}=={value.code}"
             const = ord(value.const) if isinstance(value.const, str) and len(value.const) == 1 else value.const
             if not isinstance(const, int):
                 self.context.error("PG821", f"the label {self.context.text(end)} is not a constant", end)

@@ -13,6 +13,7 @@ from plcgen.s7.cpu.compiler.context import Context, Listing
 from plcgen.s7.cpu.compiler.conversions import coerce
 from plcgen.s7.cpu.compiler.expressions import Expressions
 from plcgen.s7.cpu.compiler.functions import Functions, Reported
+from plcgen.s7.cpu.compiler.library import Library
 from plcgen.s7.cpu.compiler.loops import Watchdog
 from plcgen.s7.cpu.compiler.moves import Moves, is_move
 from plcgen.s7.cpu.compiler.places import Places
@@ -50,15 +51,29 @@ class Calls:
     assignments: Assignments
     arguments: Arguments
     functions: Functions
+    library: Library
     moves: Moves
     watchdog: Watchdog
 
     def instruction(self, node: ast.Call, name: str) -> Val | None:
         """Compile a function of the language, None if there is none of that name."""
+        enabled = next((argument for argument in node.arguments if (argument.name or "").upper() == "ENO"), None)
+        if enabled is not None:
+            self.out.emit("E[0]=True")
         try:
-            return (self.moves if is_move(name) else self.functions).compile(node, name)
+            if is_move(name):
+                value = self.moves.compile(node, name)
+            else:
+                value = self.library.compile(node, name) or self.functions.compile(node, name)
         except Reported:
             return unknown()
+        if enabled is not None and value is not None:
+            if value.code:
+                result = self.out.temporary()
+                self.out.emit(f"{result}={value.wrapped}")
+                value = Val(result, value.type)
+            self.arguments.take_output(enabled, MemoryPlace(bare_shape("BOOL"), local="E[0]"))
+        return value
 
     def call_value(self, node: ast.Call) -> Val:
         """Compile a call inside an expression."""
@@ -131,7 +146,7 @@ class Calls:
             self.arguments.look_at(node)
             return
         place = self.places.place(target)
-        if place is None or self.context.link.is_opaque(place.shape):
+        if place is None or self.context.is_opaque(place.shape):
             self.arguments.look_at(node)
         else:
             type_ = place.shape.type.name if isinstance(place.shape.type, NamedType) else ""
@@ -235,6 +250,7 @@ class Calls:
 
     def call_user(self, node: ast.Call, place: MemoryPlace, found: ProgramBlock) -> None:
         """Emit the call of an FB of the program."""
+        self.check_body(node, found)
         self.context.calling += 1
         self.context.calls.setdefault(found.name.upper(), self.context.span(node))
         self.watchdog.hand_over()
@@ -276,8 +292,14 @@ class Calls:
         codes = (self.access.address(place.inside(byte * 8, place.shape, overlay=False)) for byte in flags)
         return f"if {' or '.join(f'{place.mem}[{code}]' for code in codes)}:"
 
+    def check_body(self, node: ast.Call, found: ProgramBlock) -> None:
+        """PG827 about the call of a block whose code was not read."""
+        if found.skipped:
+            self.context.error("PG827", f"the code of {found.name} is a statement list", node)
+
     def call_function(self, node: ast.Call, found: ProgramBlock) -> Val:
         """Call an FC: scalars by value, the rest by reference; outputs come back as a tuple."""
+        self.check_body(node, found)
         self.context.calls.setdefault(found.name.upper(), self.context.span(node))
         parameters = function_parameters(found.block)
         allowed: dict[str, SectionKind] = {m.name.upper(): kind for kind, m, _ in parameters}
@@ -300,10 +322,10 @@ class Calls:
                 del pending[before:]
                 return unknown()
             if how == "reference":
-                code = self.arguments.structured(argument, kind)
+                code = self.arguments.structured(argument, kind, member.type)
                 codes.append(self.arguments.lend(code, found, lent) if kind is _INOUT else code)
             elif how == "pointer" or (type_ == "ANY" and kind is _IN and self.arguments.kind_of(argument) != "ANY"):
-                codes.append(self.references.reference(argument.value))
+                codes.append(self.references.reference(argument.value, typed=isinstance(member.type, NamedType)))
             elif kind is not _OUT:
                 values.append((len(codes), self.expressions.value(argument.value), type_, argument.value))
                 pending.append(values[-1][1])

@@ -13,6 +13,7 @@ from plcgen.s7.cpu.compiler.scope import Scope
 from plcgen.s7.cpu.compiler.values import MemoryPlace, Val
 from plcgen.s7.cpu.linkage import Linkage, Probe, ProgramBlock
 from plcgen.s7.cpu.type_rules import TypeRules
+from plcgen.s7.layout.shapes import Shape
 from plcgen.s7.scl import ast
 
 MAX_DIAGNOSTICS = 100
@@ -40,6 +41,11 @@ class Listing:
         """Add one line."""
         self.lines.append(self.indent + code)
         self.map.append(self.line)
+
+    def cut(self, length: int) -> None:
+        """Take back all lines behind the first ``length``."""
+        del self.lines[length:], self.map[length:]
+        self.folds = [(place, name) for place, name in self.folds if place < length]
 
     def insert(self, at: int, code: str, line: int) -> None:
         """Put a line before one that is there already."""
@@ -108,6 +114,8 @@ class Context:
     leave: str = "return"
     uses_eno: bool = False
     names: int = 0
+    unsupported: list[str] = field(default_factory=list)
+    """What the statement that is being compiled has and nobody executes."""
     run_tags: list[tuple[str, int, str, str]] = field(default_factory=list)
     counting: int | None = None
     jumps: int = 0
@@ -132,9 +140,19 @@ class Context:
     def error(
         self, code: str, message: str, node: ast.Node, text: str = "", severity: Severity = Severity.ERROR
     ) -> None:
-        """Report a problem at a node."""
+        """Report a problem at a node; what is not executed (PG827) fails when it is reached, so it is a warning."""
+        if code == "PG827":
+            severity = Severity.WARNING
+            self.unsupported.append(message)
         if len(self.diagnostics) - self.names < MAX_DIAGNOSTICS:
             self.diagnostics.append(Diagnostic(code, message, self.span(node), severity, help=text))
+
+    def is_opaque(self, shape: Shape) -> bool:
+        """Whether nobody knows what a variable of this shape holds: a statement with it is not executed."""
+        opaque = self.link.is_opaque(shape)
+        if opaque:
+            self.unsupported.append(f"the members of {getattr(shape.type, 'name', 'a type')} are not known to plcgen")
+        return opaque
 
     def unknown(self, code: str, message: str, names: tuple[str, ...], node: ast.Node, text: str = "") -> None:
         """Report a name that nobody knows, with its keys, at the first of its uses in the program."""

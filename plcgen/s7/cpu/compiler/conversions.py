@@ -14,7 +14,6 @@ from plcgen.s7.cpu.type_rules import (
     NUMBERED,
     REAL_CONST,
     REALS,
-    STAMPS,
     TEXT_CONST,
     TEXTS,
     WIDTHS,
@@ -56,9 +55,6 @@ def coerce(context: Context, value: Val, target: str, node: ast.Expression) -> s
         return f"chr({code})" if source in {"CHAR", "WCHAR"} else code
     if source in BITS and target in REALS:  # in expressions a bit string counts as an unsigned integer
         return f"f32(float({code}))" if target == "REAL" else f"float({code})"
-    if {source, target} & STAMPS:
-        context.error("PG827", f"the soft CPU does not convert {source} to {target}", node)
-        return "0"
     return convert_code(code, source, target)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from plcgen.base.diagnostics.suggest import did_you_mean
@@ -17,7 +18,6 @@ from plcgen.s7.cpu.type_rules import (
     DURATIONS,
     INT_CONST,
     INTEGERS,
-    NOT_EXECUTED,
     NUMERIC,
     REAL_CONST,
     REALS,
@@ -34,6 +34,7 @@ from plcgen.s7.cpu.type_rules import (
 )
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.instructions import INSTRUCTIONS
+from plcgen.s7.scl.system_types import is_type_name
 
 _MAX_TEXTS = 32
 """So many texts CONCAT of an S7-1200/1500 joins."""
@@ -64,7 +65,7 @@ _TEXT_FUNCTIONS = {
 _DELAYS = {"DIS_AIRT": "dis_airt", "SFC41": "dis_airt", "EN_AIRT": "en_airt", "SFC42": "en_airt"}
 
 
-def _bit_string(constant: object) -> str:
+def bit_type(constant: object) -> str:
     """Type in which a constant without one is shifted: a word, or as wide as it needs."""
     bits = constant.bit_length() if isinstance(constant, int) else 0
     return next((name for name in ("WORD", "DWORD") if bits <= WIDTHS[name]), "LWORD")
@@ -86,6 +87,9 @@ class Functions:
         named = _NAME.fullmatch(name)
         if named is not None and canonical(named[2]) in _TYPES.get(named[1], ()):
             return self.typed(node, named[1], canonical(named[2]))
+        if named is not None and named[1] in _TYPES and is_type_name(named[2]):
+            self.context.error("PG821", f"there is no {named[1]} of {named[2]}", node)
+            return unknown()
         if name in _TYPES:
             return self.typed(node, name)
         if name in {"TIME_TCK", "SFC64"}:
@@ -124,8 +128,17 @@ class Functions:
             return value
         return Val(coerce(self.context, value, type_, node), type_, pure=value.pure)
 
-    def bind(self, node: ast.Call, names: tuple[str, ...], optional: tuple[str, ...] = ()) -> dict[str, ast.Expression]:
-        """Arguments by name, given with names or in order; PG822 about the rest, Reported if one is missing."""
+    def bind(
+        self,
+        node: ast.Call,
+        names: tuple[str, ...],
+        optional: tuple[str, ...] = (),
+        needed: Sequence[str] | None = None,
+    ) -> dict[str, ast.Expression]:
+        """Arguments by name, given with names or in order; PG822 about the rest, Reported if one is missing.
+
+        Those that may be missing are ``optional``, or all but the ``needed``.
+        """
         found: dict[str, ast.Expression] = {}
         allowed = (*names, *optional)
         for position, argument in enumerate(node.arguments):
@@ -136,8 +149,9 @@ class Functions:
                 shown = argument.name or self.context.text(argument)
                 self.context.error("PG822", f"there is no parameter {shown}", argument, did_you_mean(shown, allowed))
                 continue
-            found[name] = argument.value
-        missing = [name for name in names if name not in found]
+            if argument.operator != "=>" or not isinstance(argument.value, ast.Omitted):
+                found[name] = argument.value
+        missing = [name for name in (names if needed is None else needed) if name not in found]
         if missing:
             self.context.error("PG822", f"{missing[0]} is missing", node)
             raise Reported
@@ -173,7 +187,7 @@ class Functions:
         code = coerce(self.context, value, type_, bound["IN"])
         return Val(f"abs({code})", type_, raw=type_ in INTEGERS, pure=value.pure)
 
-    def refuse(self, node: ast.Call, name: str, value: Val) -> Val:
+    def refuse(self, node: ast.Expression, name: str, value: Val) -> Val:
         """PG821 about the operand of a function."""
         if value.type != UNKNOWN:
             self.context.error("PG821", f"{name} does not take {value.type or 'a structure'}", node)
@@ -195,7 +209,7 @@ class Functions:
         """SHL, SHR, ROL, ROR of bit strings, and of integers on S7-1200/1500."""
         bound = self.bind(node, ("IN", "N"))
         value, count = self.operand(bound["IN"], type_), self.expressions.value(bound["N"])
-        type_ = _bit_string(value.const) if value.type == INT_CONST else value.type
+        type_ = bit_type(value.const) if value.type == INT_CONST else value.type
         free = not self.context.rules.checked
         if type_ in INTEGERS and self.context.classic and free:
             type_ = bit_string(type_)
@@ -232,8 +246,9 @@ class Functions:
         values = self.values([bound[name] for name in ("MN", "IN", "MX")])
         result = self.common_call(node, "limit", values, type_)
         if result.type != UNKNOWN:
-            self.context.uses_eno = True
-            result.code = f"limit({'eno' if self.context.uses_eno else 'E'},{result.code.partition('(')[2]}"
+            asked = any((argument.name or "").upper() == "ENO" for argument in node.arguments)
+            self.context.uses_eno = self.context.uses_eno or not asked
+            result.code = result.code.replace("limit(", f"limit({'E' if asked else 'eno'},", 1)
         return result
 
     def common_call(self, node: ast.Call, function: str, values: list[tuple[Val, ast.Expression]], type_: str) -> Val:
@@ -246,9 +261,12 @@ class Functions:
         if not common or len(values) < 2:
             self.context.error("PG821", f"the operands of {function.upper()} have no common type", node)
             return unknown()
-        if common == "DATE_AND_TIME" and function in {"min", "max", "limit"}:  # its year has two digits from 1990 on
-            self.context.error("PG827", f"the soft CPU does not compare {common} in {function.upper()}", node)
-            return unknown()
+        if common in STAMPS - {"LDT"} and function in {"min", "max", "limit"}:  # bytes do not compare as dates do
+            codes = [
+                f"ns({coerce(self.context, value, common, expression)},{common!r})" for value, expression in values
+            ]
+            code = f"moment({function}({','.join(codes)}),'LDT',{common!r})"
+            return Val(code, common, pure=all(value.pure for value, _ in values))
         common = {INT_CONST: "INT", REAL_CONST: "REAL", TEXT_CONST: "STRING"}.get(common, common)
         codes = [coerce(self.context, value, common, expression) for value, expression in values]
         return Val(f"{function}({','.join(codes)})", common, pure=all(value.pure for value, _ in values))
@@ -309,11 +327,6 @@ class Functions:
         if name in INSTRUCTIONS and "BLOCK_DB" not in name:
             return None
         source, target = canonical(source), canonical(target)
-        if (source, target) in NOT_EXECUTED and not self.context.classic:
-            self.context.error("PG827", f"the soft CPU does not execute {name}", node)
-            for expression in self.bind(node, ("IN",)).values():
-                self.expressions.value(expression)
-            return Val("0", target)
         if (source, target) not in conversions(classic=self.context.classic):
             self.context.unknown("PG820", f"{self.context.link.dialect.label} has no function {name}", (name,), node)
             for _, expression in self.several(node):

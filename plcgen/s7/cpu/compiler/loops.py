@@ -136,7 +136,7 @@ class Loops:
         place = self.assignments.target(node.variable)
         type_ = scalar_name(place.shape) if place is not None else ""
         if place is None or type_ not in INTEGERS:
-            if place is not None and not self.context.link.is_opaque(place.shape):
+            if place is not None and not self.context.is_opaque(place.shape):
                 message = f"a loop counts with an integer, not {type_ or 'a structure'}"
                 self.context.error("PG821", message, node.variable)
             with self.loop(lambda: None):  # what is inside is checked all the same

@@ -31,7 +31,7 @@ _PEEKS = {"PEEK": "BYTE", "PEEK_BYTE": "BYTE", "PEEK_WORD": "WORD", "PEEK_DWORD"
 def is_move(name: str) -> bool:
     """Whether a function of the language, upper case, is one of those here."""
     listed = name in _MOVES or name in _FILLS or name in _ELEMENTS or name in _SERIAL
-    return listed or name[:4] in {"PEEK", "POKE"} or name == "RD_SYS_T"
+    return listed or name[:4] in {"PEEK", "POKE"}
 
 
 @dataclass(slots=True, eq=False)
@@ -55,8 +55,6 @@ class Moves:
             return self.move_elements(node, name)
         if name in _SERIAL:
             return self.serialize(node, name)
-        if name == "RD_SYS_T":
-            return self.read_clock(node)
         return self.peek_poke(node, name)
 
     def move(self, node: ast.Call, name: str) -> Val:
@@ -154,19 +152,6 @@ class Moves:
         self.access.forget()
         return Val("", "")
 
-    def read_clock(self, node: ast.Call) -> Val | None:
-        """``RD_SYS_T(#dtl)`` of an S7-1200/1500; other types of OUT are not executed."""
-        place = None if self.context.classic else self.places.place(self.functions.bind(node, ("OUT",))["OUT"])
-        if place is None:
-            return unknown() if not self.context.classic else None
-        if scalar_name(place.shape) != "DTL":
-            self.context.error("PG827", "the soft CPU executes RD_SYS_T with a DTL only", node)
-            return unknown()
-        result = self.out.temporary()
-        self.out.emit(f"{result}=rd_sys_t(({place.mem},{self.access.address(place)},{place.shape.bits // 8}))")
-        self.access.forget()
-        return Val(result, "INT")
-
     def number(self, expression: ast.Expression) -> str:
         """Code of an integer or bit string."""
         value = self.expressions.value(expression)
@@ -194,7 +179,7 @@ class Moves:
         place = self.places.place(variable) if reading else value.place
         if value.type not in CODECS:
             return self.functions.refuse(node, name, value)
-        if position is None or (reading and place is None) or self.context.link.is_opaque(position.shape):
+        if position is None or (reading and place is None) or self.context.is_opaque(position.shape):
             return unknown()
         if scalar_name(position.shape) not in {*INTEGERS, *BITS}:
             return self.functions.refuse(node, name, Val("", scalar_name(position.shape)))

@@ -11,6 +11,7 @@ from plcgen.s7.cpu.compiler.literals import classify, source_of
 from plcgen.s7.cpu.compiler.places import Places
 from plcgen.s7.cpu.compiler.references import References
 from plcgen.s7.cpu.compiler.values import Val, unknown
+from plcgen.s7.cpu.type_rules import TYPE_NAME
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.dialects_tree import is_refused
 
@@ -37,6 +38,9 @@ class Operands:
                 return Val("(None,0,0)", "ANY")
             self.context.uses_eno = True
             return Val(self.context.enable(node.name), "BOOL")
+        named = self.places.type_named(node)
+        if named:
+            return Val(repr(named), TYPE_NAME)
         place = self.places.named(node)
         return self.access.load(place) if place is not None else unknown()
 

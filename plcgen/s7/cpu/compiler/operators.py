@@ -27,6 +27,7 @@ from plcgen.s7.cpu.type_rules import (
     SIGNED,
     STAMPS,
     TEXTS,
+    TYPE_NAME,
     UNSIGNED,
     WIDTHS,
     bit_string,
@@ -196,8 +197,13 @@ class Operators:
         equality = node.operator in {"=", "<>"}
         if left.const is not None and right.const is not None and {left.type, right.type} <= NUMERIC:
             return Val(f"({left.code}{symbol}{right.code})", "BOOL")
+        if left.type == right.type == TYPE_NAME and equality:
+            return Val(f"({left.code}{symbol}{right.code})", "BOOL", pure=pure)
+        if {left.type, right.type} <= _DATES and {left.type, right.type} & STAMPS:
+            dates = (f"ns({value.wrapped},{value.type!r})" for value in (left, right))
+            return Val(f"({symbol.join(dates)})", "BOOL", pure=pure)
         if self.is_not_executed(left, right, equality=equality):
-            message = "the soft CPU does not compare structures, arrays, pointers, stamps and S5TIME"
+            message = "the soft CPU does not compare structures, arrays, pointers and S5TIME"
             self.context.error("PG827", message, node)
             return Val("False", "BOOL")
         if {left.type, right.type} == {"REAL", "LREAL"} and self.context.rules.checked:
@@ -227,8 +233,6 @@ class Operators:
         """
         if "S5TIME" in {left.type, right.type}:
             return True
-        if {left.type, right.type} <= _DATES and {left.type, right.type} & STAMPS:
-            return True
         if not equality or not self.context.link.dialect.is_tia:
             return False
         kinds = [self.places.pointer_type(value) for value in (left, right)]
@@ -244,9 +248,12 @@ class Operators:
         operator = node.operator
         stamped = _STAMPED.get((operator, left.type, right.type))
         if stamped is not None:
-            self.context.error("PG827", f"the soft CPU does not execute {left.type} {operator} {right.type}", node)
-            modern = stamped if not self.context.classic else {"DTL": "DATE_AND_TIME", "LTIME": "TIME"}.get(stamped)
-            return Val("0", modern or stamped)
+            if self.context.classic:
+                stamped = {"DTL": "DATE_AND_TIME", "LTIME": "TIME"}.get(stamped, stamped)
+            function = "add_ns" if operator == "+" else "sub_ns"
+            types = left.type, right.type, stamped
+            code = f"{function}({types!r},{left.wrapped},{right.wrapped})[1]"
+            return Val(code, stamped, pure=left.pure and right.pure)
         timed = {left.type, right.type} & _TIMED
         if timed or left.type in _ORDERED or right.type in _ORDERED:
             return self.time_arithmetic(node, left, right)

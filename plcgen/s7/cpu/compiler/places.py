@@ -118,11 +118,23 @@ class Places:
             if block is not None and not (block.block.kind in _TYPES and not self.context.classic):
                 self.context.error("PG820", f"{node.name} is {block.block.kind.value}, not data", node)
                 return None
-            if not self.context.classic and (block is not None or (node.scope == "bare" and is_type_name(upper))):
-                self.context.error("PG827", f"the soft CPU does not compare with the type {node.name}", node)
-                return None
         self.undefined(node)
         return None
+
+    def type_named(self, node: ast.Name) -> str:
+        """Name of the type that a name without declaration means, in upper case: ``TypeOf(#v) = Int``."""
+        upper = node.name.upper()
+        if (
+            self.context.classic
+            or node.scope == "local"
+            or self.symbol(node) is not None
+            or upper in self.context.link.tags
+        ):
+            return ""
+        block = self.context.link.find(upper)
+        if block is not None:
+            return block.name.upper() if block.block.kind in _TYPES else ""
+        return canonical(upper) if node.scope == "bare" and is_type_name(upper) else ""
 
     def pointer_type(self, value: Val) -> str:
         """ANY, POINTER or VARIANT if the value is a variable of such a type, otherwise an empty text."""
@@ -168,7 +180,7 @@ class Places:
 
     def field(self, base: MemoryPlace, name: str, node: ast.Expression) -> MemoryPlace | None:
         """Return a member of a structure."""
-        if self.context.link.is_opaque(base.shape):
+        if self.context.is_opaque(base.shape):
             return None
         found = base.shape.index.get(name.upper())
         if found is None:
@@ -177,6 +189,7 @@ class Places:
         place = base.inside(
             found.offset, found.shape, overlay=base.overlay or found.member.at is not None or not base.shape.fields
         )
+        place.member = found.member
         if isinstance(base.shape.type, NamedType) or base.mem.startswith("d"):
             self.watch_status(base, name, node)
         return place
@@ -204,14 +217,12 @@ class Places:
             if isinstance(place.shape.type, StringType) and not place.local:
                 place = characters(place)
             shape = place.shape
-            if self.context.link.is_opaque(shape):
+            if self.context.is_opaque(shape):
                 for index in node.indices[position:]:
                     self.expressions.value(index)
                 return None
             if isinstance(shape.type, ArrayType) and not shape.type.bounds and shape.element is not None:
-                for index in node.indices[position:]:
-                    self.expressions.value(index)
-                return place.inside(0, shape.element, overlay=True)
+                return self.open_element(place, shape.element, node.indices[position:])
             if not isinstance(shape.type, ArrayType) or shape.element is None or place.local:
                 self.context.error("PG821", f"{self.context.text(node.base)} is not an array", node)
                 return None
@@ -257,6 +268,18 @@ class Places:
                 terms = f"{terms}-{-place.off // 8}"
                 place.off = 0
             place.dyn = f"{base.dyn}+{terms}" if base.dyn else terms
+        return place
+
+    def open_element(self, base: MemoryPlace, shape: Shape, indices: tuple[ast.Expression, ...]) -> MemoryPlace:
+        """One element of an ``ARRAY[*]``: what was handed over says where it lies."""
+        place = base.inside(0, shape, overlay=True)
+        codes = [integer_code(self.expressions.value(index)) for index in indices]
+        self.out.checks += 1
+        offset = f"element_at({base.mem.removesuffix('_m')}_r,{','.join(codes)})"
+        if shape.bits == 1:
+            place.dynbit = offset
+        else:
+            place.dyn = f"{base.dyn}+{offset}//8" if base.dyn else f"{offset}//8"
         return place
 
     def slice_type(self, node: ast.Slice, value: Val) -> tuple[int, str] | None:

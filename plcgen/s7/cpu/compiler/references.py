@@ -11,13 +11,17 @@ from plcgen.s7.cpu.compiler.context import Context, Listing
 from plcgen.s7.cpu.compiler.conversions import coerce
 from plcgen.s7.cpu.compiler.expressions import Expressions
 from plcgen.s7.cpu.compiler.places import Places
-from plcgen.s7.cpu.compiler.scope import scalar_name
-from plcgen.s7.cpu.compiler.values import UNKNOWN, Val, unknown
+from plcgen.s7.cpu.compiler.scope import is_open, scalar_name
+from plcgen.s7.cpu.compiler.values import UNKNOWN, MemoryPlace, Val, unknown
+from plcgen.s7.cpu.kinds import Kind, kind_of
 from plcgen.s7.cpu.memory import CODECS
-from plcgen.s7.cpu.type_rules import POINTERS
+from plcgen.s7.cpu.type_rules import POINTERS, TEXTS
+from plcgen.s7.layout.shapes import Shape
 from plcgen.s7.scl import ast
 from plcgen.s7.types.address import AddressError, parse_pointer
 
+_ROOM = 254
+"""Characters of a text constant that is passed by reference."""
 _Node = TypeVar("_Node", ast.Call, ast.CallStatement)
 _Result = TypeVar("_Result")
 
@@ -44,12 +48,20 @@ class References:
         size = max(1, region.width_bits // 8)
         return Val(f"pt({area!r},{start.db or 0},{start.byte},{size})", "ANY")
 
-    def reference(self, node: ast.Expression) -> str:
+    def typed(self, node: ast.Expression) -> str:
+        """Code of a reference that knows the type of its variable, for VARIANT and ``ARRAY[*]``."""
+        return self.reference(node, typed=True)
+
+    def kind(self, shape: Shape) -> str:
+        """Code of the kind of a variable."""
+        return f"K[{self.context.link.number(kind_of(shape))}]"
+
+    def reference(self, node: ast.Expression, *, typed: bool = False) -> str:
         """Code of a reference to a variable, for ANY, VARIANT and structured parameters."""
         if isinstance(node, ast.Literal) and node.kind == "pointer":
             return self.pointer(node).code
         if isinstance(node, ast.Literal | ast.Binary | ast.Unary | ast.Call) or self.is_constant(node):
-            return self.value_reference(self.expressions.value(node), node)
+            return self.value_reference(self.expressions.value(node), node, typed=typed)
         if self.is_null(node):
             return "(None,0,0)"
         place = self.places.place(node)
@@ -59,13 +71,39 @@ class References:
             type_ = scalar_name(place.shape)
             if type_ in POINTERS:
                 return place.local
-            copy = self.value_reference(self.access.load(place), node)
-            if copy != "(None,0,0)":
-                self.context.borrowed.append((copy.strip("(").partition(",")[0], place))
-            return copy
+            return self.borrow(place, node, typed=typed)
+        if is_open(place.shape) and place.mem.endswith("_m"):
+            return f"{place.mem.removesuffix('_m')}_r"
         if scalar_name(place.shape) == "ANY":
             return f"any_of({place.mem},{self.access.address(place)})"
-        return f"({place.mem},{self.access.address(place)},{-(-place.shape.bits // 8)})"
+        if typed and place.shape.bits == 1:
+            return self.borrow(place, node, typed=True)
+        size = -(-place.shape.bits // 8)
+        if typed:
+            return f"typed({place.mem},{self.access.address(place)},{size},{self.kind(place.shape)})"
+        return f"({place.mem},{self.access.address(place)},{size})"
+
+    def bit(self, node: ast.Expression) -> str:
+        """Memory and number of a bit, of a variable or behind a ``P#`` constant."""
+        if isinstance(node, ast.Literal) and node.kind == "pointer":
+            code = self.pointer(node).code
+            start = parse_pointer(node.text).start if code != "0" else None
+            bit = start.offset if start is not None else 0
+            return f"({code}[0],{bit})"
+        place = self.places.place(node)
+        if place is None or place.local:
+            if place is not None:
+                self.context.error("PG827", "the soft CPU has no address of this variable", node)
+            return "(None,0)"
+        bits = f"{place.off % 8}+{place.dynbit}" if place.dynbit else str(place.off % 8)
+        return f"({place.mem},({self.access.address(place)})*8+{bits})"
+
+    def borrow(self, place: MemoryPlace, node: ast.Expression, *, typed: bool) -> str:
+        """A variable that has no bytes of its own in memory for the call; it takes over what is there in the end."""
+        copy = self.value_reference(self.access.load(place), node, typed=typed)
+        if copy != "(None,0,0)":
+            self.context.borrowed.append((copy[copy.index("(") + 1 : copy.index(",")], place))
+        return copy
 
     def lending(self, compile_call: Callable[[_Node], _Result]) -> Callable[[_Node], _Result]:
         """Compile a call; behind it, Python locals take over what was written to the memory lent for them."""
@@ -94,22 +132,24 @@ class References:
         symbol = self.places.symbol(node) if isinstance(node, ast.Name) else None
         return symbol is not None and symbol.constant is not None
 
-    def value_reference(self, value: Val, node: ast.Expression) -> str:
+    def value_reference(self, value: Val, node: ast.Expression, *, typed: bool = False) -> str:
         """Put a value into memory of its own."""
         type_ = {"#int": "INT", "#real": "REAL", "#text": "STRING"}.get(value.type, value.type)
-        if type_ == "STRING":
-            name = self.out.temporary()
-            self.out.emit(f"{name}=local(256)")
-            self.out.emit(f"w_s({name},0,254,{coerce(self.context, value, type_, node)})")
-            return f"({name},0,256)"
-        if type_ not in CODECS and type_ != "BOOL":
+        if type_ not in CODECS and type_ not in {"BOOL", *TEXTS}:
             if type_ != UNKNOWN:
                 self.context.error("PG827", f"the soft CPU does not pass {type_ or 'this'} by reference", node)
             return "(None,0,0)"
         name = self.out.temporary()
-        size = CODECS[type_].size if type_ != "BOOL" else 1
-        self.out.emit(f"{name}=local({size})")
         code = coerce(self.context, value, type_, node)
-        bit = f"{name}[0]=1 if {code} else 0"
-        self.out.emit(bit if type_ == "BOOL" else CODECS[type_].write.format(m=name, o=0, v=code))
-        return f"({name},0,{size})"
+        if type_ in TEXTS:
+            kind = Kind(type_, 0, room=_ROOM)
+            size = _ROOM + 2 if type_ == "STRING" else 2 * _ROOM + 4
+            store = f"{'w_s' if type_ == 'STRING' else 'w_ws'}({name},0,{_ROOM},{code})"
+        else:
+            kind = Kind(type_, 1 if type_ == "BOOL" else 8 * CODECS[type_].size)
+            size = -(-kind.bits // 8)
+            bit = f"{name}[0]=1 if {code} else 0"
+            store = bit if type_ == "BOOL" else CODECS[type_].write.format(m=name, o=0, v=code)
+        self.out.emit(f"{name}=local({size})")
+        self.out.emit(store)
+        return f"typed({name},0,{size},K[{self.context.link.number(kind)}])" if typed else f"({name},0,{size})"

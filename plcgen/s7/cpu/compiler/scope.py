@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
+from plcgen.base.diagnostics import DiagnosticError
 from plcgen.s7.cpu.compiler.literals import literal_value
 from plcgen.s7.cpu.compiler.values import MemoryPlace, Symbol, Val, unknown
 from plcgen.s7.cpu.memory import CODECS
@@ -41,7 +41,7 @@ def same_type(left: Shape, right: Shape) -> bool:
     if len(left.fields) != len(right.fields) or (left.element is None) != (right.element is None):
         return False
     if left.element is not None and right.element is not None:
-        if _is_open(left) or _is_open(right):
+        if is_open(left) or is_open(right):
             return same_type(left.element, right.element)
         return left.strides == right.strides and same_type(left.element, right.element)
     if left.fields:
@@ -49,7 +49,7 @@ def same_type(left: Shape, right: Shape) -> bool:
     return scalar_name(left) == scalar_name(right)
 
 
-def _is_open(shape: Shape) -> bool:
+def is_open(shape: Shape) -> bool:
     """Whether an array takes what it is given: ``ARRAY[*]``."""
     return isinstance(shape.type, ArrayType) and not shape.type.bounds
 
@@ -79,6 +79,7 @@ class Scope:
         self.locals: list[tuple[str, str]] = []
         self.problems: list[DiagnosticError] = []
         self.copied: list[tuple[str, Symbol]] = []
+        self.variants: list[tuple[str, str]] = []
         self._constants(block)
         if block.kind is BlockKind.FB and shape is not None:
             self._instance(shape)
@@ -128,6 +129,10 @@ class Scope:
             place.overlay = field.member.at is not None
             self._add(Symbol(field.member.name, section, place))
         # a structured IN_OUT is a pointer in memory, the data lies elsewhere
+        for member in (*self.block.section(SectionKind.INPUT), *self.block.section(SectionKind.IN_OUT)):
+            symbol = self.symbols[member.name.upper()]
+            if symbol.place is not None and scalar_name(symbol.place.shape) == "VARIANT":
+                self._by_variant(member, symbol)
         for member in self.block.section(SectionKind.IN_OUT):
             symbol = self.symbols[member.name.upper()]
             if symbol.place is not None and scalar_name(symbol.place.shape) == "POINTER" and not is_pointer(member):
@@ -142,6 +147,14 @@ class Scope:
         symbol.place = MemoryPlace(self.shape_of(member), f"{local}_m", 0, f"{local}_o", section=SectionKind.IN_OUT)
         self.copied.append((local, Symbol(member.name, SectionKind.IN_OUT, pointer)))
 
+    def _by_variant(self, member: Member, symbol: Symbol) -> None:
+        local = f"p{len(self.locals)}"
+        self.locals.append((local, "reference"))
+        self.variants.append((local, member.name.upper()))
+        symbol.type_name = local
+        section = symbol.place.section if symbol.place is not None else None
+        symbol.place = MemoryPlace(Shape(member.type, 0, 1, 0, 1), local=local, section=section)
+
     def _views(self, section: SectionKind) -> None:
         """AT views over parameters passed by reference."""
         for member in self.block.section(section):
@@ -155,8 +168,6 @@ class Scope:
     def shape_of(self, member: Member) -> Shape:
         """Shape of one declared type."""
         if isinstance(member.type, ArrayType) and not member.type.bounds:
-            message = f"the soft CPU does not execute ARRAY[*]: {member.name}"
-            self.problems.append(DiagnosticError([Diagnostic("PG827", message, member.span or Span(""))]))
             element = self.shape_of(Member(member.name, member.type.element, span=member.span))
             return Shape(member.type, 0, 16, 0, 16, element=element)
         try:
@@ -196,6 +207,12 @@ class Scope:
         in_memory = []
         informed = self.classic and self.block.kind is BlockKind.OB
         for member in temps:
+            if is_pointer(member) and isinstance(member.type, NamedType):
+                local = f"v{len(self.locals)}"
+                self.locals.append((local, "VARIANT"))
+                place = MemoryPlace(Shape(member.type, 0, 1, 0, 1), local=local, section=SectionKind.TEMP)
+                self._add(Symbol(member.name, SectionKind.TEMP, place))
+                continue
             plain = is_scalar(member.type) and not has_parts(member.type)
             if plain and not informed and member.at is None and member.name.upper() not in viewed:
                 local = f"v{len(self.locals)}"

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from plcgen.s7.cpu.compiler.access import Access
 from plcgen.s7.cpu.compiler.context import Context, Listing
 from plcgen.s7.scl import ast
 
@@ -18,6 +19,7 @@ class Statements:
 
     context: Context
     out: Listing
+    access: Access
     parts: dict[type[ast.Statement], Callable[[Any], bool | None]] = field(default_factory=dict)
 
     def body(self, statements: ast.Body) -> bool:
@@ -40,9 +42,20 @@ class Statements:
         if isinstance(node, ast.Region):
             reached = [self.statement(inner) for inner in node.body]
             return all(reached)
-        if isinstance(node, ast.Label):
-            self.context.error("PG827", f"the label {node.name} is inside another statement", node)
-            return True
         self.context.point("statement", node)
         self.context.probe(node, "statement")
-        return self.parts[type(node)](node) is not False
+        begin, indent = len(self.out.lines), self.out.indent
+        if isinstance(node, ast.Label):
+            self.context.error("PG827", f"the label {node.name} is inside another statement", node)
+            goes_on = True
+        else:
+            goes_on = self.parts[type(node)](node) is not False
+        if self.context.unsupported:
+            self.out.cut(begin)
+            self.out.indent = indent
+            self.context.move_to(node)
+            self.out.emit(f"unsupported({self.context.unsupported[0]!r})")
+            self.context.unsupported.clear()
+            self.access.forget()
+            return True
+        return goes_on

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from plcgen.s7.cpu.type_rules import INT_CONST, SIGNED_WIDTHS, WIDTHS
 from plcgen.s7.layout.shapes import Shape
 from plcgen.s7.types.blocks import SectionKind
+from plcgen.s7.types.data_types import Member
 
 UNKNOWN = "?"
 """Type of an expression that has been reported already."""
@@ -30,6 +31,8 @@ class MemoryPlace:
     local: str = ""
     section: SectionKind | None = None
     overlay: bool = False
+    member: Member | None = None
+    """The declaration, of a member of a structure."""
 
     @property
     def fixed(self) -> bool:

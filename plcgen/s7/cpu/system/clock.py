@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import datetime as dt
 
-from plcgen.s7.cpu.memory import Memory, Reference
+from plcgen.s7.cpu.memory import Memory
+from plcgen.s7.cpu.system import moments
 from plcgen.s7.types import durations
 
 START_TIME = dt.datetime(2024, 1, 1)  # noqa: DTZ001 - the module time of a CPU has no zone
@@ -28,6 +29,8 @@ class SystemClock:
     def __init__(self, start_time: dt.datetime = START_TIME) -> None:
         self.cell = [0, 0]
         self.start_time = start_time
+        self.local_offset = dt.timedelta()
+        self.daylight_saving = False
         self.start_up = _COLD
         self.scan_info = _COLD
         self.cycles: tuple[int, int, int] = (0, 0, 0)
@@ -51,17 +54,35 @@ class SystemClock:
         """Date and time of the CPU."""
         return self.start_time + dt.timedelta(milliseconds=self.cell[0])
 
-    def read_dtl(self, target: Reference) -> int:
-        """RD_SYS_T with a DTL; RET_VAL 8081h outside the years that it holds."""
-        memory, offset, size = target
-        try:
-            data = durations.pack_dtl((self.now - durations.EPOCH) // dt.timedelta(microseconds=1) * 1000)
-        except (ValueError, OverflowError):
-            return OUT_OF_RANGE
-        if memory is None:
-            return OUT_OF_RANGE
-        memory[offset : offset + size] = data
+    def read(self, types: tuple[str, ...]) -> tuple[int, moments.Moment]:
+        """RD_SYS_T: RET_VAL, 8081h outside the years that the type holds, and the date."""
+        since_1970 = (self.now - durations.EPOCH) // dt.timedelta(microseconds=1) * 1000
+        fits, value = moments.from_ns(since_1970, types[0])
+        return 0 if fits else OUT_OF_RANGE, value
+
+    def read_local(self, types: tuple[str, ...]) -> tuple[int, moments.Moment]:
+        """RD_LOC_T: ``local_offset`` is that of the configuration, 0001h says daylight saving time."""
+        moment = self.now + self.local_offset
+        since_1970 = (moment - durations.EPOCH) // dt.timedelta(microseconds=1) * 1000
+        fits, value = moments.from_ns(since_1970, types[0])
+        return int(self.daylight_saving) if fits else OUT_OF_RANGE, value
+
+    def set(self, types: tuple[str, ...], value: moments.Moment) -> int:
+        """WR_SYS_T: RET_VAL; the date is that of now."""
+        moment = durations.EPOCH + dt.timedelta(microseconds=moments.to_ns(value, types[0]) // 1000)
+        self.start_time = moment - dt.timedelta(milliseconds=self.cell[0])
         return 0
+
+    def set_local(self, types: tuple[str, ...], value: moments.Moment, _saving: object) -> int:
+        """WR_LOC_T."""
+        self.set(types, value)
+        self.start_time -= self.local_offset
+        return 0
+
+    def runtime(self, before: float) -> tuple[float, float]:
+        """RUNTIME: seconds since the call before; time passes between scans only."""
+        now = self.cell[0] / 1000
+        return (now - before if before else 0.0), now
 
     def start_information(self, local: Memory, number: int) -> None:
         """Put the 20 bytes that an OB of an S7-300/400 finds at the start of its local data, as far as it has room.

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from plcgen.base.diagnostics import PlcgenError
+from plcgen.s7.cpu.kinds import Typed, typed
 from plcgen.s7.cpu.memory import AREA_L, CODECS, Memory, Reference, codec_functions
 
 _CODES = {0x80: "P", 0x81: "I", 0x82: "Q", 0x83: "M", 0x84: "DB", 0x85: "DB", 0x86: "L"}
@@ -49,13 +50,15 @@ class MemoryMoves:
         self.report = report
         self.handles: dict[int, Memory] = {}
         self.known: dict[bytes, tuple[Memory, int]] = {}  # POINTERs to what stays where it is
+        self.kinds: dict[bytes, Typed] = {}  # references behind POINTERs that know their type
+        self.variants: dict[tuple[int, int, str], Reference] = {}
         self.lent = 0
         self.moved = 0
 
     def functions(self) -> dict[str, Callable[..., Any]]:
         """Return what generated code calls."""
         names = "pt local deref any_of any10 ptr6 blkmov fill move_elements fill_elements peek peek_bit poke poke_bit"
-        names += " blkmov_text chars poke_block opened lend give_back take put copy there"
+        names += " keep kept pointed blkmov_text chars poke_block opened lend give_back take put copy there"
         return {name: getattr(self, name) for name in names.split()}
 
     # --- references -----------------------------------------------------------------------------------
@@ -78,7 +81,8 @@ class MemoryMoves:
         if memory is None or memory.optimized == optimized:
             return reference
         self.count(2 * size)  # there and back
-        return Memory(memory[offset : offset + size], AREA_L, optimized=optimized), 0, size
+        copied = Memory(memory[offset : offset + size], AREA_L, optimized=optimized)
+        return typed(copied, 0, size, reference.kind) if isinstance(reference, Typed) else (copied, 0, size)
 
     def give_back(self, reference: Reference, lent: Reference, between: Between = _nothing) -> None:
         """Copy a lent copy back behind the call, over whatever was written there meanwhile."""
@@ -97,7 +101,24 @@ class MemoryMoves:
             self.handles[number] = memory
             if len(self.handles) > _HANDLES:
                 del self.handles[next(iter(self.handles))]
-        return number.to_bytes(2) + bytes((_AREA_CODES[memory.area],)) + (offset * 8).to_bytes(3)
+        pointer = number.to_bytes(2) + bytes((_AREA_CODES[memory.area],)) + (offset * 8).to_bytes(3)
+        if isinstance(reference, Typed):
+            self.kinds[pointer] = reference
+            if len(self.kinds) > _HANDLES:
+                del self.kinds[next(iter(self.kinds))]
+        return pointer
+
+    def pointed(self, pointer: bytes) -> Reference:
+        """Reference behind the POINTER of an ``ARRAY[*]``."""
+        return self.kinds.get(pointer, _NO_ANY)
+
+    def keep(self, memory: Memory, offset: int, name: str, reference: Reference) -> None:
+        """A VARIANT of an instance."""
+        self.variants[id(memory), offset, name] = reference
+
+    def kept(self, memory: Memory, offset: int, name: str) -> Reference:
+        """What a VARIANT of an instance points to; nothing before the first call."""
+        return self.variants.get((id(memory), offset, name), (None, 0, 0))
 
     def any10(self, reference: Reference) -> bytes:
         """ANY to a reference, counted in bytes."""
