@@ -47,3 +47,15 @@ def test_a_task_is_one_screen() -> None:
     assert len(pages) == 12
     assert [page.name for page in pages if len(page.read_text("utf-8").splitlines()) > 45] == []
     assert [page.name for page in pages if f"docs/tasks/{page.name}" not in ENGLISH] == []
+
+
+def test_the_glossary_has_the_terms_of_the_other_languages() -> None:
+    """Each German and Chinese term of docs/glossary.md is the one that the README of that language uses."""
+    page = (ROOT / "docs" / "glossary.md").read_text("utf-8")
+    table = page[page.index("## In German and Chinese") : page.index("<!-- languages -->")]
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines() if line[:1] == "|"]
+    german, chinese = ((ROOT / f"README.{language}.md").read_text("utf-8").lower() for language in ("de", "zh"))
+    stem = {"Statuswort": "statusw"}  # its plural has another vowel
+    assert len(rows) > 20
+    assert [row for row in rows[2:] if stem.get(row[1], row[1].lower()) not in german] == []
+    assert [row for row in rows[2:] if row[2].lower() not in chinese] == []
