@@ -1,4 +1,4 @@
-"""Operands of the engine of which no run can show that they decide, and why; docs/testing.md lists them, too."""
+"""Operands of the engine of which no run can show that they decide, and why; README.md lists them, too."""
 
 from __future__ import annotations
 

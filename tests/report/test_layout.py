@@ -357,7 +357,7 @@ def test_the_picture_in_the_documentation_is_what_layout_draws():
 
 
 def test_the_documentation_states_every_rule_with_its_evidence():
-    page = (PICTURES.parent / "layout.md").read_text("utf-8")
+    page = (PICTURES.parents[1] / "plcgen" / "s7" / "layout" / "README.md").read_text("utf-8")
     for rule in RULES.values():
         assert f"| {rule.text} | {rule.evidence}{': ' if rule.vectors else ''}{', '.join(rule.vectors)} |" in page
 

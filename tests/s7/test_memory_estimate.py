@@ -1,4 +1,4 @@
-"""The estimate of work memory: every rule of docs/memory.md by a sum that is written down here.
+"""The estimate of work memory: every rule of plcgen/s7/memory/README.md by a sum that is written down here.
 
 Lengths of single instructions: a load or store of a variable 4, a 16-bit constant 4, a 32-bit constant 6, an operation
 2, a jump 4. The machine code in comments is what compiled SCL blocks of the standard library hold at such places.

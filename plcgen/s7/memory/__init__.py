@@ -1,1 +1,1 @@
-"""How much work memory a program takes, estimated from its sources; the rules are in docs/memory.md."""
+"""How much work memory a program takes, estimated from its sources; the rules are in README.md."""

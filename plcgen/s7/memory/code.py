@@ -13,7 +13,7 @@ _LONG = 64
 
 
 class CodeSize:
-    """Adds up the statements of one block by the rules of docs/memory.md."""
+    """Adds up the statements of one block by the rules of README.md."""
 
     def __init__(self, names: BlockNames) -> None:
         self.names = names
