@@ -1,6 +1,6 @@
 """Size of a plant of 20 drives with 3 jobs each on an S7-300: now, and as recorded earlier (``data/work_memory.json``).
 
-The estimator and its rules (plcgen/s7/memory/README.md) are older than the first record; all records are by the same rules.
+The estimator and its rules are older than the first record; all records are by the same rules.
 ``python -m tests.bench.work_memory FOLDER`` prints the figures of any folder of STEP 7 V5 sources.
 """
 

@@ -1,4 +1,4 @@
-"""Lengths in bytes of what the SCL compiler of the S7-300/400 makes; each figure is a row of README.md beside this file."""
+"""Lengths in bytes of what the SCL compiler of the S7-300/400 makes, as README.md has them."""
 
 from __future__ import annotations
 
