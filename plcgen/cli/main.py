@@ -23,6 +23,7 @@ SECTIONS: Sections = (
             ("check", "Check specs and show every problem at its place."),
             ("devices", "List the devices that a spec may name."),
             ("schema", "Print the JSON schema of a spec."),
+            ("lsp", "Serve an editor: problems, completion, hover."),
         ),
     ),
     (

@@ -9,7 +9,7 @@ import pytest
 
 from plcgen.base.diagnostics import Report
 from plcgen.base.files.yaml import YamlNode, parse_yaml
-from plcgen.workbench.service.positions import from_utf16, split_lines, to_utf16, units
+from plcgen.workbench.service.positions import from_units, split_lines, to_units, width
 from plcgen.workbench.service.specs.sketch import sketch
 from tests.projects import ROOT
 
@@ -67,10 +67,13 @@ def test_what_follows_a_break_is_found(text: str, path: tuple[str, ...]) -> None
 def test_columns_in_utf16() -> None:
     """U+1F527 has two units (RFC 2781, 2.1: D83D DD27); a position inside it is its beginning; ß and 泵 have one."""
     lines = ["a: ß泵\U0001f527 b"]
-    assert units("\U0001f527") == 2
-    assert to_utf16(lines, 1, 7) == (0, 7)  # a, colon, blank, ß, 泵 before the sixth character, which takes two
-    assert from_utf16(lines, 0, 7) == (1, 7)
-    assert from_utf16(lines, 0, 6) == (1, 6)
-    assert from_utf16(lines, 0, 99) == (1, 9)
-    assert from_utf16(lines, 7, 0) == (1, 9)
-    assert to_utf16(lines, 0, 0) == (0, 0)
+    assert width("\U0001f527") == 2
+    assert to_units(lines, 1, 7) == (0, 7)  # a, colon, blank, ß, 泵 before the sixth character, which takes two
+    assert from_units(lines, 0, 7) == (1, 7)
+    assert from_units(lines, 0, 6) == (1, 6)
+    assert from_units(lines, 0, 99) == (1, 9)
+    assert from_units(lines, 7, 0) == (1, 9)
+    assert to_units(lines, 0, 0) == (0, 0)
+    assert to_units(lines, 1, 7, "utf-8") == (0, 12)  # 3 + 2 + 3 + 4 bytes
+    assert from_units(lines, 0, 12, "utf-8") == (1, 7)
+    assert from_units(lines, 0, 6, "utf-32") == (1, 7)

@@ -17,9 +17,12 @@ from plcgen.s7.cpu.surroundings import Surroundings
 from plcgen.s7.cpu.type_rules import IecCheck
 from plcgen.s7.read.files import MAX_FILES, MAX_SEEN, TEXT_SUFFIXES
 from plcgen.s7.read.generated import foreign_files
-from plcgen.s7.read.text import is_binary_file, load_text, read_source
+from plcgen.s7.read.text import has_bodies, is_binary_file, load_text, parse_source, read_source
+from plcgen.s7.read.texts import read_texts
 from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.scl.grammar.documents import is_document
 from plcgen.s7.scl.parser import ParseResult
+from plcgen.s7.types.blocks import Block
 
 SUFFIXES = TEXT_SUFFIXES | {".st"}
 """What counts as a PLC source when a folder is searched."""
@@ -54,12 +57,27 @@ def check_source(path: Path | str, target: Dialect | None = None, *, encoding: s
     """
     kept: list[ParseResult] = []
     found, problems = read_source(path, target, encoding=encoding, keep=kept.append)
-    if not has_errors(problems):
-        problems = sorted(
-            [*problems, *unfit_start_values(kept, target or Dialect.TIA_1200_1500)], key=lambda d: d.sort_key
-        )
+    problems = _with_start_values(kept, problems, target)
     declared = tuple((block.kind.value, block.name, block.span or Span(str(path))) for block in found)
     return SourceCheck((Path(path),), len(found), tuple(problems), declared)
+
+
+def check_text(text: str, path: Path, *, keep: Callable[[ParseResult], object]) -> tuple[list[Block], list[Diagnostic]]:
+    """The blocks of a text that an editor has in place of a file, and what :func:`check_source` says of it."""
+    kept: list[ParseResult] = []
+    texts = read_texts(path)[0] if is_document(path.name) else {}
+    found, problems = parse_source(text, path.as_posix(), bodies=has_bodies(path), keep=kept.append, texts=texts)
+    keep(kept[0])
+    return found, _with_start_values(kept, problems, None)
+
+
+def _with_start_values(
+    kept: Sequence[ParseResult], problems: list[Diagnostic], target: Dialect | None
+) -> list[Diagnostic]:
+    """The problems of a file, with those of its start values if it can be read."""
+    if has_errors(problems):
+        return problems
+    return sorted([*problems, *unfit_start_values(kept, target or Dialect.TIA_1200_1500)], key=lambda d: d.sort_key)
 
 
 def repeated_blocks(checks: Iterable[SourceCheck]) -> Iterator[tuple[Path, Diagnostic]]:

@@ -12,7 +12,7 @@ from plcgen.base.diagnostics import ArgumentError, DiagnosticError, Span
 from plcgen.base.files.files import YAML_SUFFIXES
 from plcgen.base.files.text import read_text
 from plcgen.base.files.yaml import MAX_BYTES
-from plcgen.workbench.service.positions import split_lines
+from plcgen.workbench.service.positions import split_lines, without_surrogates
 
 MAX_OPEN = 1_000
 """Documents that are open at once; an editor has fewer."""
@@ -51,11 +51,12 @@ class Document:
 class Documents:
     """The documents of a folder that are open; what is not open is read from disk.
 
-    ``generation`` grows whenever a file may have changed.
+    ``generation`` grows whenever a file may have changed, ``seen`` when that may be one on disk.
     """
 
     folder: Path
     generation: int = 0
+    seen: int = 0
     _open: dict[Path, Document] = field(default_factory=dict)
 
     def open(self, path: Path | str, text: str) -> Document:
@@ -64,7 +65,7 @@ class Documents:
         Raises:
             ArgumentError: the text is larger than a file may be, or too many documents are open.
         """
-        document = Document(_absolute(path), text)
+        document = Document(_absolute(path), without_surrogates(text))
         if len(text) > MAX_BYTES:
             raise ArgumentError(f"{document.path.name} is larger than {MAX_BYTES // 1024 // 1024} MiB")
         if document.path not in self._open and len(self._open) >= MAX_OPEN:
@@ -77,6 +78,11 @@ class Documents:
         """Forget a document: from now on its file on disk counts."""
         self._open.pop(_absolute(path), None)
         self.generation += 1
+
+    def changed(self) -> None:
+        """Files on disk may be others than before."""
+        self.generation += 1
+        self.seen += 1
 
     def find(self, path: Path | str) -> Document | None:
         """The open document of a path."""

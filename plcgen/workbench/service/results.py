@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.base.display.page import Page
@@ -71,3 +71,36 @@ class Symbol:
     whole: Span
     place: Span
     children: tuple[Symbol, ...] = ()
+
+
+TokenKind = Literal[
+    "keyword", "variable", "string", "number", "comment", "operator", "function", "type", "property", "namespace"
+]
+TOKEN_KINDS: tuple[TokenKind, ...] = get_args(TokenKind)
+"""Kinds of tokens by the names of the language server protocol."""
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """A part of a line in one colour."""
+
+    span: Span
+    kind: TokenKind
+
+
+@dataclass(frozen=True, slots=True)
+class SignaturePart:
+    """A parameter as the label of its signature has it, and in which section it is declared."""
+
+    text: str
+    section: str
+
+
+@dataclass(frozen=True, slots=True)
+class Signature:
+    """What is called at a place, its parameters, and the number of the one that is being given."""
+
+    label: str
+    text: str
+    parameters: tuple[SignaturePart, ...]
+    active: int

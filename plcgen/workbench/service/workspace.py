@@ -7,10 +7,14 @@ from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.workbench.service.documents import Document, Documents
+from plcgen.workbench.service.sources.state import Sources, is_source
 from plcgen.workbench.service.specs.state import Specs
 
 if TYPE_CHECKING:
-    from plcgen.workbench.service.results import Edit, Finding, Hover, Offer, Symbol
+    from plcgen.workbench.service.results import Edit, Finding, Hover, Offer, Signature, Symbol, Token
+
+MOST = 1_000
+"""Findings of one source; nobody reads more at once."""
 
 
 class Workspace:
@@ -24,52 +28,71 @@ class Workspace:
     def __init__(self, folder: Path | str) -> None:
         self.documents = Documents(Path(folder).absolute())
         self.specs = Specs(self.documents)
+        self.sources = Sources(self.documents)
 
     def open(self, path: Path | str, text: str) -> Document:
         """Take the text of a document that was opened or changed. Raises ArgumentError if it is too large."""
-        return self.documents.open(path, text)
+        new = self.documents.find(path) is None
+        document = self.documents.open(path, text)
+        if new:
+            self.sources.renewed()
+        return document
 
     def close(self, path: Path | str) -> None:
         """Forget a document."""
         self.documents.close(path)
         self.specs.forget()
+        self.sources.renewed()
 
     def changed(self) -> None:
         """Files on disk may be others than before."""
-        self.documents.generation += 1
+        self.documents.changed()
+        self.sources.renewed()
 
     def diagnostics(self, document: Document) -> tuple[Finding, ...]:
-        """All that ``check`` says of a spec, also in files that it includes."""
-        from plcgen.workbench.service.specs.findings import findings
+        """All that ``check`` says of a spec, also in files that it includes, or of a source."""
+        from plcgen.workbench.service.specs.findings import finding, findings
 
-        return findings(self.specs, document) if document.is_yaml else ()
+        if document.is_yaml:
+            return findings(self.specs, document)
+        found = self.sources.state(document).diagnostics if is_source(document) else ()
+        return tuple(finding(self.specs, one) for one in found[:MOST])
 
     def complete(self, document: Document, line: int, column: int) -> tuple[Offer, ...]:
-        """What may stand at a place; the text may be broken."""
+        """What may stand at a place of a spec; the text may be broken."""
         from plcgen.workbench.service.specs.offers import offers
 
         return offers(self.specs, document, line, column) if document.is_yaml else ()
 
     def hover(self, document: Document, line: int, column: int) -> Hover | None:
         """What there is to know of what stands at a place."""
+        from plcgen.workbench.service.sources import views
         from plcgen.workbench.service.specs.hover import hover
 
-        return hover(self.specs, document, line, column) if document.is_yaml else None
+        if document.is_yaml:
+            return hover(self.specs, document, line, column)
+        return views.hover(self.sources.state(document), line, column) if is_source(document) else None
 
     def definition(self, document: Document, line: int, column: int) -> Span | None:
         """Where what is named at a place is defined."""
+        from plcgen.workbench.service.sources import names
         from plcgen.workbench.service.specs.names import definition
 
-        return definition(self.specs, document, line, column) if document.is_yaml else None
+        if document.is_yaml:
+            return definition(self.specs, document, line, column)
+        return names.definition(self.sources.state(document), line, column) if is_source(document) else None
 
     def references(self, document: Document, line: int, column: int) -> tuple[Span, ...]:
         """Every place where what stands at a place is named, its definition first."""
+        from plcgen.workbench.service.sources.references import source_references
         from plcgen.workbench.service.specs.names import references
 
-        return references(self.specs, document, line, column) if document.is_yaml else ()
+        if document.is_yaml:
+            return references(self.specs, document, line, column)
+        return source_references(self.sources, document, line, column) if is_source(document) else ()
 
     def rename(self, document: Document, line: int, column: int, name: str) -> tuple[Edit, ...]:
-        """Edits that give what stands at a place another name.
+        """Edits that give what stands at a place of a spec another name.
 
         Raises:
             DiagnosticError: why that cannot be done.
@@ -82,14 +105,36 @@ class Workspace:
             raise DiagnosticError([Diagnostic("PG901", "it is named in a file outside the workspace", outside)])
         return edits
 
+    def name_at(self, document: Document, line: int, column: int) -> Span | None:
+        """The place of the name that ``rename`` would change."""
+        from plcgen.workbench.service.specs.names import name_at
+
+        found = name_at(self.specs.state(document), line, column) if document.is_yaml else None
+        return None if found is None else found[1]
+
     def format(self, document: Document) -> tuple[Edit, ...]:
-        """Edits that lay the text out evenly; comments, order and values stay."""
+        """Edits that lay a spec out evenly; comments, order and values stay."""
         from plcgen.workbench.service.specs.layout import formatted
 
         return formatted(document) if document.is_yaml else ()
 
     def outline(self, document: Document) -> tuple[Symbol, ...]:
         """What is defined in the text."""
+        from plcgen.workbench.service.sources import views
         from plcgen.workbench.service.specs.outline import outline
 
-        return outline(self.specs.state(document)) if document.is_yaml else ()
+        if document.is_yaml:
+            return outline(self.specs.state(document))
+        return views.outline(self.sources.state(document)) if is_source(document) else ()
+
+    def tokens(self, document: Document) -> tuple[Token, ...]:
+        """The parts of a source in their colours; specs have the colours of YAML, which every editor knows."""
+        from plcgen.workbench.service.sources import views
+
+        return tuple(views.tokens(self.sources.state(document))) if is_source(document) else ()
+
+    def signature(self, document: Document, line: int, column: int) -> Signature | None:
+        """What is called at a place of a source."""
+        from plcgen.workbench.service.sources import views
+
+        return views.signature(self.sources.state(document), line, column) if is_source(document) else None

@@ -226,9 +226,13 @@ def _offer(
     line = state.document.lines[spot.span.line - 1]
     before, after = line[: spot.span.column - 1], line[spot.span.end_column - 1 :].lstrip(" \t")
     space = "" if not before or before[-1:] in {" ", "\t", "[", "{"} or spot.role == "key" else " "
-    shown = label
-    if not key and any(mark in label for mark in ":#,[]{}") and not label.startswith("$("):
+    quote = state.document.part(spot.span)[:1]
+    if quote in {'"', "'"} and not lead:
+        shown = f"{quote}{label}{quote}"
+    elif not key and not label.startswith("$(") and any(mark in label for mark in ":#,[]{}"):
         shown = json.dumps(label)
+    else:
+        shown = label
     colon = ": " if key and not after.startswith(":") else ""
     place = Span(spot.span.file, spot.span.line, spot.span.column, spot.span.end_line, spot.span.end_column)
     return Offer(label, kind, Edit(place, f"{space}{lead}{shown}{colon}"), detail, text, also)

@@ -1,0 +1,257 @@
+"""What an editor shows of a source: problems, hover, outline, colours, the parameters of a call."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from plcgen.base.diagnostics import Span
+from plcgen.base.display.page import Page
+from plcgen.s7.cpu.system.interfaces import system_fbs
+from plcgen.s7.scl import ast
+from plcgen.s7.scl.instructions import INSTRUCTIONS
+from plcgen.s7.scl.lexer import (
+    ADDRESS,
+    ERROR,
+    INT,
+    KEYWORDS,
+    LOCAL,
+    NAME,
+    POINTER,
+    QUOTED,
+    REAL,
+    STRING,
+    TYPED,
+    Comment,
+)
+from plcgen.s7.tables.tables import member_address, size_text
+from plcgen.s7.types.blocks import Block, BlockKind, SectionKind, block_title
+from plcgen.s7.types.data_types import elementary
+from plcgen.s7.types.spelling import type_text
+from plcgen.workbench.service.results import Hover, Signature, SignaturePart, Symbol, SymbolKind, Token, TokenKind
+from plcgen.workbench.service.sources.names import Meant, meaning, meant_at, place_of, system_block
+from plcgen.workbench.service.sources.signatures import FUNCTIONS
+
+if TYPE_CHECKING:
+    from plcgen.workbench.service.sources.state import SourceState
+
+_PASSED = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
+_BYTE = (8, 16, 32)
+MOST_MEMBERS = 2_000
+"""Members of an outline; an editor shows no more."""
+
+
+def hover(state: SourceState, line: int, column: int) -> Hover | None:
+    """Type, offset, start value and comment of a member; interface of a block; parameters of an instruction."""
+    offset = state.offset(line, column)
+    found = meant_at(state, offset)
+    if found is not None:
+        meant, span = found
+        return Hover(span, _member(state, meant) if meant.member is not None else _block(meant.root))
+    at = state.token_at(offset)
+    if at is None or state.tokens.kinds[at] not in {NAME, QUOTED}:
+        return None
+    text = state.tokens.texts[at].strip('"')
+    shown = signature_of(state, text)
+    if shown is None:
+        return None
+    span = state.tokens.span(state.tokens.starts[at], state.tokens.end(at))
+    return Hover(span, Page(text, shown.text, (("Call", shown.label),)))
+
+
+def _member(state: SourceState, meant: Meant) -> Page:
+    member = meant.member
+    assert member is not None  # noqa: S101 - the caller asks for members only
+    root, facts = meant.root, [f"type: {type_text(member.type)}"]
+    if meant.section is not None and root.kind not in {BlockKind.UDT, BlockKind.DB}:
+        facts.append(f"section: {meant.section.value}")
+    place = None if meant.section in {SectionKind.TEMP, SectionKind.CONSTANT} else place_of(meant, state.types)
+    if place is not None and root.optimized:
+        facts.append("optimized access: no offset")
+    elif place is not None:
+        byte, bit, bits = place
+        facts.append(f"offset: {byte}.{bit} in {block_title(root.kind, root.number, root.name)}")
+        if root.kind is BlockKind.DB:
+            single = None if bits in _BYTE or bits > 32 else bit
+            facts.append(f"address: {member_address(root.number, byte, single, bits)}")
+        facts.append(f"size: {size_text(bits)}")
+    facts += [f"start value: {member.start}"] if member.start is not None else []
+    sections = [("Facts", "\n".join(facts))]
+    sections += [("Comment", member.comment)] if member.comment else []
+    return Page(member.name, type_text(member.type), tuple(sections))
+
+
+def _block(block: Block) -> Page:
+    sections = [("Interface", _label(block))] if block.kind in {BlockKind.FB, BlockKind.FC} else []
+    sections += [("Comment", block.comment)] if block.comment else []
+    of = f" of {block.instance_of}" if block.instance_of else ""
+    return Page(block_title(block.kind, block.number, block.name), f"{block.title}{of}".strip(), tuple(sections))
+
+
+# --- calls -----------------------------------------------------------------------------------------------------------
+
+
+def _label(block: Block) -> str:
+    return f"{block.name}({', '.join(part.text for part in _parts(block))})"
+
+
+def _parts(block: Block) -> tuple[SignaturePart, ...]:
+    return tuple(
+        SignaturePart(
+            f"{member.name} {'=>' if section.kind is SectionKind.OUTPUT else ':='} {type_text(member.type)}",
+            section.kind.value,
+        )
+        for section in block.sections
+        if section.kind in _PASSED
+        for member in section.members
+    )
+
+
+def signature_of(state: SourceState, name: str) -> Signature | None:
+    """Parameters of a block or instruction by its name."""
+    upper = name.upper()
+    block = state.types.get(upper)
+    if block is not None and block.kind in {BlockKind.FB, BlockKind.FC}:
+        return Signature(_label(block), block.comment, _parts(block), 0)
+    if upper in FUNCTIONS:
+        parts = tuple(SignaturePart(part, "Input") for part in FUNCTIONS[upper])
+        return Signature(f"{upper}({', '.join(FUNCTIONS[upper])})", "instruction", parts, 0)
+    for classic in (False, True):
+        known = system_fbs(classic=classic).get(upper)
+        if known is not None:
+            members = {m.name.upper(): type_text(m.type) for s in known.block.sections for m in s.members}
+            parts = tuple(
+                SignaturePart(
+                    f"{key} {'=>' if kind is SectionKind.OUTPUT else ':='} {members.get(key, '')}".strip(), kind.value
+                )
+                for key, kind in known.parameters.items()
+            )
+            return Signature(f"{upper}({', '.join(part.text for part in parts)})", "system function block", parts, 0)
+    return None
+
+
+def signature(state: SourceState, line: int, column: int) -> Signature | None:
+    """What is called where the cursor is between brackets, and the parameter that is being given."""
+    tokens, offset = state.tokens, state.offset(line, column)
+    last = max((n for n, start in enumerate(tokens.starts) if start < offset), default=-1)
+    depth = commas = 0
+    named = ""
+    for at in range(last, max(last - 2000, -1), -1):
+        kind = tokens.kinds[at]
+        if kind in {")", "]"}:
+            depth += 1
+        elif kind in {"(", "["} and depth:
+            depth -= 1
+        elif kind == "(":
+            return _called(state, at - 1, commas, named)
+        elif kind == ";" and not depth:
+            return None
+        elif kind == "," and not depth:
+            commas += 1
+        elif kind in {":=", "=>"} and not depth and not commas and at > 0:
+            named = named or tokens.texts[at - 1].strip('"').upper()
+    return None
+
+
+def _called(state: SourceState, at: int, commas: int, named: str) -> Signature | None:
+    if at < 0 or state.tokens.kinds[at] not in {NAME, LOCAL, QUOTED}:
+        return None
+    meant = meaning(state, at)
+    found: Signature | None = None
+    if meant is not None and meant.member is not None:
+        found = signature_of(state, type_text(meant.member.type).strip('"'))
+    elif meant is not None and meant.root.instance_of:
+        found = signature_of(state, meant.root.instance_of)
+    found = found or signature_of(state, state.tokens.texts[at].strip('"').removeprefix("#"))
+    if found is None:
+        return None
+    number = next((n for n, part in enumerate(found.parameters) if part.text.split(" ")[0].upper() == named), commas)
+    return Signature(found.label, found.text, found.parameters, min(number, max(len(found.parameters) - 1, 0)))
+
+
+# --- outline ---------------------------------------------------------------------------------------------------------
+
+
+def outline(state: SourceState) -> tuple[Symbol, ...]:
+    """Blocks with their members, regions left out."""
+    room = [MOST_MEMBERS]
+    found = []
+    for unit in state.result.units:
+        kind: SymbolKind = "type" if unit.keyword == "TYPE" else "block"
+        lists = [section.declarations for section in unit.sections]
+        if isinstance(unit.body_type, ast.StructSpec):
+            lists.append(unit.body_type.members)
+        members = tuple(one for each in lists for one in _members(state, each, room, 0))
+        whole = state.tokens.span(unit.start, unit.end)
+        found.append(
+            Symbol(unit.name, kind, unit.keyword.replace("_", " ").lower(), whole, state.name_place(unit), members)
+        )
+    return tuple(found)
+
+
+def _members(
+    state: SourceState, declarations: tuple[ast.Declaration, ...], room: list[int], depth: int
+) -> Iterator[Symbol]:
+    for one in declarations:
+        spec = one.type
+        text = "" if spec is None else " ".join(state.tokens.source[spec.start : spec.end].split())[:60]
+        while isinstance(spec, ast.ArraySpec):
+            spec = spec.element
+        inside = spec.members if isinstance(spec, ast.StructSpec) and depth < 8 else ()
+        for name in one.names:
+            room[0] -= 1
+            if room[0] < 0:
+                return
+            place = state.tokens.span(name.start, name.start + len(name.name) + 2 * name.quoted)
+            detail = "Struct" if inside else text
+            below = tuple(_members(state, inside, room, depth + 1))
+            yield Symbol(name.name, "member", detail, state.tokens.span(one.start, one.end), place, below)
+
+
+# --- colours ---------------------------------------------------------------------------------------------------------
+
+_KINDS: Mapping[str, TokenKind] = {
+    **dict.fromkeys(KEYWORDS, "keyword"),
+    LOCAL: "variable", QUOTED: "namespace", STRING: "string", INT: "number", REAL: "number", TYPED: "number",
+    ADDRESS: "variable", POINTER: "number",
+}  # fmt: skip
+_WORD_OPERATORS = {"AND", "OR", "XOR", "NOT", "MOD", "DIV"}
+
+
+def tokens(state: SourceState) -> Iterator[Token]:
+    """Every token and every comment in its colour, line by line, in order."""
+    found = state.tokens
+    for at, kind in enumerate(found.kinds):
+        for gap in found.trivia_before(at):
+            if gap.text != "\n":
+                yield from _lines(state, gap, "comment")
+        colour = _colour(state, at, kind)
+        if colour is not None:
+            yield from _lines(state, Comment(found.texts[at], found.starts[at]), colour)
+
+
+def _colour(state: SourceState, at: int, kind: str) -> TokenKind | None:
+    kinds, texts = state.tokens.kinds, state.tokens.texts
+    if at and kinds[at - 1] == ".":
+        return "property"
+    if kind in _WORD_OPERATORS:
+        return "operator"
+    if kind != NAME:
+        return _KINDS.get(kind, None if kind == ERROR or not texts[at] else "operator")
+    upper = texts[at].upper()
+    if elementary(upper) is not None or upper in {"STRING", "WSTRING", "VOID"}:
+        return "type"
+    if kinds[at + 1] == "(" and (upper in INSTRUCTIONS or upper in FUNCTIONS or system_block(upper) is not None):
+        return "function"
+    return "function" if re.fullmatch(r"\w+_TO_\w+", upper) else "variable"
+
+
+def _lines(state: SourceState, part: Comment, kind: TokenKind) -> Iterator[Token]:
+    """A part of the text, cut at line ends."""
+    offset = part.start
+    for text in part.text.split("\n"):
+        if text.strip():
+            line, column = state.tokens.position(offset)
+            yield Token(Span(state.tokens.file, line, column, line, column + len(text)), kind)
+        offset += len(text) + 1
