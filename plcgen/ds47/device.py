@@ -233,7 +233,8 @@ class Device:
     request without an index: (read, write). ``bases`` are the numbers of limits and references, which other values
     are measured by. ``bico`` says whether BICO values carry the drive object, ``like`` from which device those
     parameters come that the profile does not name. ``object_types`` is None if all parameters are in one drive object,
-    or nobody knows in which. ``absences`` are numbers that it is known not to have, beside those that its lists lack.
+    or nobody knows in which. ``main_values`` are parameters by what they
+    are called as outputs, ``absences`` numbers that it is known not to have, beside those that its lists lack.
     """
 
     key: str
@@ -259,6 +260,7 @@ class Device:
     object_types: ObjectTypes | None = None
     lists: tuple[DeviceList, ...] = ()
     messages: tuple[str, ...] = ()
+    main_values: Mapping[str, str] = field(default_factory=dict)
     absences: Mapping[int, Absence] = field(default_factory=dict)
 
     def find(self, pnu: int, object_type: str = "") -> Parameter | None:

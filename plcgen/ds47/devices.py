@@ -98,8 +98,14 @@ def read_profile(path: Path, key: str) -> Device:
     lent = {pnu: _lent(one, base) for pnu, one in base.parameters.items()}
     own = {pnu: _guarded(one, lent.get(pnu)) for pnu, one in device.parameters.items()}
     lists = tuple(replace(one, grade="inferred", whole=False) for one in base.lists)
-    said = device.messages or base.messages
-    return replace(device, like=model.like, parameters={**lent, **own}, lists=device.lists or lists, messages=said)
+    return replace(
+        device,
+        like=model.like,
+        parameters={**lent, **own},
+        lists=device.lists or lists,
+        messages=device.messages or base.messages,
+        main_values=device.main_values or base.main_values,
+    )
 
 
 def _guarded(one: Parameter, lent: Parameter | None) -> Parameter:

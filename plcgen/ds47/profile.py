@@ -11,6 +11,7 @@ import re
 from typing import Annotated, Any, Literal
 
 from pydantic import (
+    AfterValidator,
     BeforeValidator,
     Field,
     ValidationError,
@@ -282,6 +283,16 @@ def _check_text(fmt: Format, octets: int, value: Any) -> None:
         raise problem(f"{len(data)} octets do not fit {fmt.name}[{octets}]")
 
 
+def _read_value(text: str) -> str:
+    reference = parse_reference(text)
+    if reference is None or reference.pnu is None or (reference.last or 0) != (reference.first or 0):
+        raise problem(f'"{text}" is not a parameter with one value', code="PG203", help_="for example r21 or r945[0]")
+    return text
+
+
+MainValue = Annotated[Name, AfterValidator(_read_value)]
+
+
 class DeviceProfile(StrictModel):
     """A device profile."""
 
@@ -305,6 +316,9 @@ class DeviceProfile(StrictModel):
     sources: dict[Name, Line] = Field(default_factory=dict, description="sources by a short name, for parameters")
     lists: tuple[ProfileList, ...] = Field((), description="whole lists of parameters that it has")
     messages: tuple[known_messages.Family, ...] = Field((), description="families whose messages it has")
+    main_values: dict[Name, MainValue] = Field(
+        default_factory=dict, description="what read: main_values reads of a drive: names of outputs with parameters"
+    )
     absent: dict[ParameterNumber, ProfileAbsence] = Field(
         default_factory=dict, description="parameters that it is known not to have"
     )
@@ -372,6 +386,7 @@ class DeviceProfile(StrictModel):
             object_types=None if self.object_types is None else _object_types(self.object_types),
             lists=tuple(one.known() for one in self.lists),
             messages=self.messages,
+            main_values=self.main_values,
             absences={
                 number_of(key) or 0: Absence(self.sources.get(one.source, one.source), one.grade)
                 for key, one in self.absent.items()

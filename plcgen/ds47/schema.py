@@ -220,6 +220,9 @@ class JobSettings(StrictModel):
     split: Literal["auto", "never"] = Field("auto", description="whether the job may be split into several telegrams")
     allow: SignOff = Field(default_factory=dict, description="dangerous parameters this job may write: why")
     allow_safety: SignOff = Field(default_factory=dict, description="Safety parameters this job may write: why")
+    cycle: Annotated[Duration, Field(ge=100)] | None = Field(
+        None, description="repeat while execute is TRUE, which it is at start; absent: once per rising edge"
+    )
     comment: Text | None = Field(None, description=COMMENT)
 
 
@@ -294,8 +297,10 @@ def _offer_parameters(definitions: dict[str, Any], names: Mapping[str, list[Para
     for name in ("ReadItem", "RecipeItem", "WriteItem"):
         _offer(definitions[name], "parameter", names)
     job, step, recipe = (definitions[name]["properties"] for name in ("Job", "SequenceStep", "RecipeEntry"))
-    for texts in (job["read"]["anyOf"], step["read"]["anyOf"], recipe["parameters"]["anyOf"]):
-        texts[0] = texts[1]["items"]["anyOf"][0] = suggested(names)
+    for texts, more in (
+        (job["read"]["anyOf"], ("main_values",)), (step["read"]["anyOf"], ()), (recipe["parameters"]["anyOf"], ()),
+    ):  # fmt: skip
+        texts[0] = texts[1]["items"]["anyOf"][0] = suggested([*more, *names])
     write, compare, written = (shape["anyOf"][0] for shape in (job["write"], job["compare"], step["write"]))
     definitions["WriteValue"] = write["additionalProperties"]
     for shape in (write, compare, written):

@@ -18,8 +18,8 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
         "sinamics-s150", "sinamics-s210", "sinamics-v90", "./acme.yaml", "./alike.yaml",
     ),
     "kind": (
-        "read", "write", "input", "bits", "readback", "saved", "restore", "save", "faults", "alarms", "acknowledge",
-        "compare", "steps", "until", "activate", "clock", "write_recipe", "read_recipe", "compare_recipe",
+        "read", "main_values", "write", "input", "bits", "readback", "saved", "restore", "save", "faults", "alarms",
+        "acknowledge", "compare", "steps", "until", "activate", "clock", "write_recipe", "read_recipe", "compare_recipe",
     ),
     "type": (
         "Boolean", "Integer8", "Integer16", "Integer32", "Integer64", "Unsigned8", "Unsigned16", "Unsigned32",
@@ -37,12 +37,14 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     "key": ("short", "usual", "long", "digits"),
     "sources": ("one", "per_block"),
     "retain": ("yes", "no"),
+    "cycle": ("no", "100ms", "1s"),
     "owned": ("none", "Main", "notes.md"),
 }  # fmt: skip
 BASE: Row = {
     "toolchain": "tia-v19", "family": "s7-1500", "device": "sinamics-s120", "kind": "read", "type": "FloatingPoint",
     "languages": "en", "names": "style", "trigger": "member", "buffers": "instance", "drives": "one", "index": "none",
     "times": "default", "comment": "none", "key": "usual", "sources": "one", "retain": "yes", "owned": "none",
+    "cycle": "no",
 }  # fmt: skip
 TRIPLES = (("family", "kind", "languages"),)
 LANGUAGES = {
@@ -85,6 +87,7 @@ def _kind(kind: str, parameter: str, value: Any) -> dict[str, Any]:
     several = {parameter: value, "P42990": 5.0}
     return {
         "read": {"read": [parameter, {"parameter": "P42990", "as": "x"}]},
+        "main_values": {"read": ["main_values", {"parameter": "P42990", "as": "x"}]},
         "write": {"write": several},
         "input": {"write": {parameter: None, "P42990": {"as": "ramp", "start": 2.0}}},
         "bits": {"write": {"P42980.0": 1, "P42980.15": None, "P42980.7": {"as": "enable"}}},
@@ -140,6 +143,7 @@ def spec(row: Row) -> dict[str, Any]:
     parameter = f"P43000{INDEXES[row['index']]}"
     job: dict[str, Any] = {"drive": keys if row["drives"] == "list" else "axis"}
     job |= _kind(row["kind"], parameter, _value(row["type"])) | TIMES[row["times"]]
+    job |= {"cycle": row["cycle"]} if row["cycle"] != "no" else {}
     if row["trigger"] != "member":
         job["trigger"] = TRIGGERS[row["trigger"]]
     asked, answered = MEMBERS[row["names"]]

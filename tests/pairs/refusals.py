@@ -21,6 +21,11 @@ LISTS = (
     "activate", "clock", *RECIPES,
 )  # fmt: skip
 """Kinds of more than one telegram, or that deliver a list."""
+WRITERS = (
+    "write", "input", "bits", "readback", "saved", "restore", "save", "acknowledge", "steps", "until", "activate",
+    "clock", "write_recipe", "read_recipe",
+)  # fmt: skip
+"""Kinds that change something, in the drive or in a record."""
 OWN = ("buffers", ("db", "numbers", "sizes", "members"))
 
 Refusal = tuple[tuple[Side, ...], str]
@@ -44,6 +49,8 @@ DRIVES: tuple[Refusal, ...] = (
     ((OWN, ("kind", LISTS)), "PG223"),
     ((OWN, ("kind", ("input",)), ("type", ("Float64",)), ("family", ("s7-1200", "s7-1500"))), "PG223"),
     ((OWN, ("kind", ("input",)), ("type", ("Integer64", "Unsigned64")), ("family", ("s7-1500",))), "PG223"),
+    ((("kind", WRITERS), ("cycle", ("100ms", "1s"))), "PG264"),
+    ((("kind", ("main_values",)), ("device", ("profidrive", "sinamics-dcp", "./acme.yaml"))), "PG248"),
     ((("kind", ("faults", "alarms", "acknowledge", "activate", "clock")), ("device", ("./acme.yaml",))), "PG248"),
     ((("kind", ("faults",)), ("device", ("micromaster-4", "profidrive", "sinamics-dcp"))), "PG248"),
     ((("kind", ("alarms",)), ("device", ("micromaster-4", "sinamics-dcp"))), "PG248"),

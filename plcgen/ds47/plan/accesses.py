@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from plcgen.base.diagnostics import Diagnostic, Report
@@ -17,7 +17,12 @@ from plcgen.ds47.references import number_of
 from plcgen.ds47.registry import kinds
 from plcgen.ds47.schema import DriveSections, ErrorSettings, JobEntry
 from plcgen.project.spec import LoadedSpec, SpecPath
+from plcgen.s7.types.names import camel_case
 
+MAIN_VALUES = "main_values"
+"""What a job reads that says so instead of naming parameters: those that the profile of the device states."""
+DRIVES = frozenset({"", "drive", "servo", "vector"})
+"""Types of drive objects that have them."""
 _LARGEST = 4
 """Bytes of a value that a list of deviations has room for."""
 
@@ -87,17 +92,47 @@ class Accesses:
             return resolved_steps(tuple(kind.steps(given)), place, self.loaded, self.resolver)
         if kind.bits and has_bits(items):
             return self._with_bits(kind, items, place)
-        uses = self._resolved(kind, items, place, before)
+        items, places = self._expanded(kind, items, place)
+        uses = self._resolved(kind, items, places, before)
         if len(uses) == len(items):
             return self._complete(kind, uses, items)
         return uses if kind.messages is None else ()
 
-    def _resolved(self, kind: JobKind, items: Items, place: SpecPath, before: int) -> tuple[Use, ...]:
-        """The items that the drive knows."""
+    def _expanded(self, kind: JobKind, items: Items, place: SpecPath) -> tuple[Items, list[SpecPath]]:
+        """The items with the main values of the device in place of their name, and where each of them stands."""
         whole = kind.fixed or kind.poll is not None
-        found = []
+        found: list[tuple[ReadItem | WriteItem, SpecPath]] = []
         for number, item in enumerate(items):
             where = place if whole else (*place, number)
+            if item.parameter != MAIN_VALUES or kind.key != "read":
+                found.append((item, where))
+                continue
+            found += [(one, where) for one in self._main_values(item, where)]
+        return tuple(item for item, _ in found), [where for _, where in found]
+
+    def _main_values(self, item: ReadItem | WriteItem, place: SpecPath) -> Iterator[ReadItem]:
+        """What stands behind ``main_values``; nothing after a diagnostic."""
+        device, type_ = self.resolver.device, self.resolver.object_type
+        where = self.loaded.span((*place, "parameter"))
+        if item.as_ is not None or item.type is not None:
+            help_ = "leave as and type out, or name the parameters one by one"
+            self.report.add(Diagnostic("PG203", f"{MAIN_VALUES} stands for several parameters", where, help=help_))
+        elif type_ not in DRIVES:
+            message = f"{MAIN_VALUES} are those of a drive, and this drive object is {type_}"
+            self.report.add(Diagnostic("PG262", message, where, help="name the parameters: read: [r2, r26]"))
+        elif not device.main_values:
+            message = f"{MAIN_VALUES} of {device.key}: nobody has looked up what they are"
+            help_ = "name the parameters: read: [r21, ..]; or state main_values in a profile of your own"
+            self.report.add(Diagnostic("PG248", message, where, help=help_))
+        else:
+            for name, parameter in device.main_values.items():
+                given = {"parameter": parameter, "as": camel_case(name), "comment": item.comment}
+                yield ReadItem.model_validate(given)
+
+    def _resolved(self, kind: JobKind, items: Items, places: Sequence[SpecPath], before: int) -> tuple[Use, ...]:
+        """The items that the drive knows."""
+        found = []
+        for number, (item, where) in enumerate(zip(items, places, strict=True)):
             write = kind.writes and isinstance(item, WriteItem)
             found.append(self.resolver.resolve(item, before + number + 1, where, write=write))
         uses = tuple(use for use in found if use is not None)

@@ -131,6 +131,7 @@ class DriveJobPlanner:
                 clock=_clock(kind, numbering),
                 recipe=recipe,
                 then="" if then is None else then.key,
+                cycle=job.cycle or 0,
                 comment=job.comment or {},
                 path=path,
             )

@@ -187,7 +187,8 @@ class DriveJob(PlannedJob):
     drive knows the parameters, ``own`` the same accesses as this drive knows them: what it says of access, danger and
     grades. Instances whose drives know them alike have the same ``own``.
     ``then`` is the kind of what it does behind its own, if any.
-    ``clock`` is the type of the time at its input, if it sets a clock.
+    ``clock`` is the type of the time at its input, if it sets a clock. ``cycle`` is the time in ms from one start to
+    the next, 0 if only an edge starts it.
     """
 
     link: PlannedDrive
@@ -207,6 +208,7 @@ class DriveJob(PlannedJob):
     clock: Elementary | None = None
     recipe: PlannedRecipe | None = None
     then: str = ""
+    cycle: int = 0
 
     @property
     def drive(self) -> PlannedDrive:

@@ -1,4 +1,5 @@
-"""DriveJobs as it is delivered: a structure for each job, no job started, inputs with the values of the spec.
+"""DriveJobs as it is delivered: a structure for each job, started are those with a cycle, inputs with the values of the
+spec.
 
 Signals and their types as docs/generated-code.md has them; values are compared as bytes, which are the same in the
 telegram and in the CPU.
@@ -12,6 +13,7 @@ from plcgen.base.diagnostics import Diagnostic, DiagnosticError
 from plcgen.base.diagnostics.counting import quantity
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedRecipe
 from plcgen.ds47.proof import clock_input, message_lists
+from plcgen.ds47.proof.cycles import AGE, cycle_signals
 from plcgen.ds47.proof.records import NUMBER, recipe_signals
 from plcgen.ds47.proof.restoration import CAUSE
 from plcgen.ds47.proof.step_facts import FAILED
@@ -24,6 +26,8 @@ from plcgen.s7.types.data_types import Elementary
 from plcgen.s7.types.literals import LiteralError
 
 SIGNALS = {"execute": "BOOL", "busy": "BOOL", "done": "BOOL", "error": "BOOL", "status": "WORD"}
+REPEATED = {**SIGNALS, **dict(zip(AGE, ("BOOL", "TIME"), strict=True))}
+"""Those of a job with a cycle."""
 
 
 def check_commands(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
@@ -65,6 +69,7 @@ def _check_control(name: str, jobs: list[DriveJob], folder: Folder) -> Iterator[
         problems = [p for job in jobs for p in _job(job, layout, start, members.get(job.member, set()))]
         expected = {f"{job.member}.{use.member}" for job in jobs for use in job.inputs}
         expected |= {f"{job.member}.{NUMBER}" for job in jobs if job.recipe is not None}
+        expected |= {f"{job.member}.execute" for job in jobs if job.cycle}
         problems += [
             f"{entry.path} has the start value {entry.member.start}"
             for entry in layout.entries
@@ -72,7 +77,8 @@ def _check_control(name: str, jobs: list[DriveJob], folder: Folder) -> Iterator[
         ]
     except (DiagnosticError, LiteralError) as problem:
         problems = [str(problem)]
-    yield _verdict(name, quantity(len(jobs), "job"), problems, "inputs as in the spec, no job started", folder)
+    started = "only jobs with a cycle" if any(job.cycle for job in jobs) else "no job"
+    yield _verdict(name, quantity(len(jobs), "job"), problems, f"inputs as in the spec, {started} started", folder)
 
 
 def _verdict(name: str, figures: str, problems: list[str], good: str, folder: Folder) -> Check:
@@ -98,12 +104,18 @@ def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterat
     values = {*clock_input.inputs(job), *(use.member for use in job.outputs)}
     values |= {*(FAILED if job.in_steps else ()), *recipe_signals(job)}
     values |= {CAUSE} if job.restores else set()
+    values |= {*cycle_signals(job)}
     values |= {path.partition("[")[0] for path in message_lists.paths(job)}
     wanted = {name for name in SIGNALS if name not in flags} | values
     prefix = f"{job.member}."
     for name in sorted(wanted ^ found):
         yield f"{prefix}{name} {'is missing' if name in wanted else 'is not a member of the job'}"
-    types = SIGNALS if job.clock is None else {**SIGNALS, clock_input.TIME: job.clock.name}
+    types = REPEATED if job.cycle else SIGNALS
+    types = types if job.clock is None else {**types, clock_input.TIME: job.clock.name}
+    if "execute" in wanted & found:
+        entry = locate(layout, f"{prefix}execute")
+        if start[entry.byte] >> entry.bit & 1 != bool(job.cycle):
+            yield f"{prefix}execute starts with {'FALSE' if job.cycle else 'TRUE'}"
     for name in sorted(wanted & found & set(types) - {use.member for use in (*job.inputs, *job.outputs)}):
         entry = locate(layout, f"{prefix}{name}")
         if not isinstance(entry.type, Elementary) or entry.type.name != types[name]:

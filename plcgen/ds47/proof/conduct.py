@@ -6,12 +6,14 @@ from dataclasses import replace
 
 from plcgen.ds47.proof.clock_input import Times
 from plcgen.ds47.proof.contents import held, written
+from plcgen.ds47.proof.cycles import SLOW, Repeats
 from plcgen.ds47.proof.end import check_end, check_errors, check_refused
 from plcgen.ds47.proof.message_lists import Messages, fill
 from plcgen.ds47.proof.pace import Pace
 from plcgen.ds47.proof.poll_results import AnotherSave, check_saved
 from plcgen.ds47.proof.poll_times import PollTimes
 from plcgen.ds47.proof.records import Record
+from plcgen.ds47.proof.repetition import Repetition
 from plcgen.ds47.proof.restoration import BACK, CAUSE, OLD, Restoration, Restores
 from plcgen.ds47.proof.rig import SLOT, JobRig
 from plcgen.ds47.proof.scenario import DriveScenario
@@ -54,6 +56,8 @@ class JobConduct:
         """When the last save was handed over."""
         self.taken = 0
         """Until when another job has the unit."""
+        self.begun = 0
+        """When the job started."""
         self.length = 0
         """Length of a scan in ms at least."""
         self.latest = 0
@@ -76,8 +80,8 @@ class JobConduct:
         return state_name(self.rig.unit.get("state"))
 
     def holds(self) -> bool:
-        """The result stays as long as execute does."""
-        return True
+        """The result stays as long as execute does, but for a job with a cycle, which goes on."""
+        return not self.rig.job.cycle
 
     def begin(self, run: Run[DriveScenario]) -> int:
         """Set up drive, bus and inputs."""
@@ -99,7 +103,9 @@ class JobConduct:
         if scenario.occupied:
             rig.occupy()
         happens = set(scenario.happens.values())
-        self.untouched.begin(alone=not scenario.occupied and not steps.taken and not {"cold", "warm"} & happens)
+        repeats = scenario.of(Repeats)
+        others = scenario.occupied or steps.taken or repeats.taken or repeats.given_up
+        self.untouched.begin(alone=not others and not {"cold", "warm"} & happens)
         messages = scenario.of(Messages).messages
         if messages is not None:
             fill(rig.job, rig.drive, rig.drive_object, messages)
@@ -113,6 +119,7 @@ class JobConduct:
             self.wanted[telegram - 1][place - 1] = data
         self.length, self.pace = scenario.scan, Pace(rig.cpu, [rig.drive])
         calls = 12 * max(scenario.scan, WAITING_MS if "off" in happens else 0)
+        calls += len(SLOW) * rig.job.cycle if repeats.slow else 0
         self.latest = rig.job.timeout + DRAIN_MS + longest_waits(rig.job) + calls
         return self.latest
 
@@ -167,6 +174,8 @@ class JobConduct:
                 self.taken = steps.taken + MANY_MS
         if steps.still and steps.still == self.steps.handed and self.rig.unit.get("state") == HOLD:
             return min(STILL_MS, self.rig.job.timeout // 2)
+        if run.scenario.of(Repeats).slow and run.scans in SLOW:
+            return max(1, self.rig.job.cycle // 2)
         if run.scenario.meddle and run.scans > 1:
             self.rig.meddle()
         if steps.robbed and steps.robbed == self.steps.handed and self.rig.unit.get("state") == DRAIN:
@@ -185,6 +194,7 @@ class JobConduct:
 
     def start(self, run: Run[DriveScenario]) -> None:
         """No parameter has an answer yet, whatever was there before; values stay until there are new ones."""
+        self.begun = self.rig.cpu.clock
         check_errors(self.rig, [(NO_ANSWER, 0)] * len(self.rig.job.uses))
 
     def observe(self, run: Run[DriveScenario]) -> None:
@@ -282,7 +292,9 @@ class JobConduct:
             self.rig.damage(0, {})
 
     def behind(self, run: Run[DriveScenario]) -> None:
-        """Execute comes again in the call after the end: the job is done once more."""
+        """Execute comes again in the call after the end, or the cycle goes on: the job is done once more."""
+        if run.scenario.of(Repeats) != Repeats():
+            Repetition(self.rig, run, self.begun).go()
         if not run.scenario.at_once:
             return
         self.rig.forget()

@@ -11,6 +11,7 @@ from plcgen.ds47.plan.access import Verify
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.ds47.proof import clock_input, message_lists
 from plcgen.ds47.proof.contents import ValueSet, alike, held, masked, piece, taken_values, value_set, values_of
+from plcgen.ds47.proof.cycles import SINCE
 from plcgen.ds47.proof.pace import Pace
 from plcgen.ds47.proof.partner import ScriptedDrive
 from plcgen.ds47.proof.poll_results import saving_scans
@@ -90,6 +91,7 @@ class ThreeInstances:
             *message_lists.paths(self.job),
         ]
         members += ["statStep"] if self.job.waits else []
+        members += [SINCE] if self.job.cycle else []
         paths = [f"{key}.{name}" for name in (*SIGNALS, id_name, *members, *recipe_signals(self.job))]
         db = Members(self.cpu, self.program, self.block, paths, f"{key}.")
         values = value_set(self.job, drive, drive_object, "next", f"{self.job.shape} {key}")
@@ -132,6 +134,8 @@ class ThreeInstances:
         pace = Pace(self.cpu, [one.drive for one in self.all])
         for scan in range(self.patience + near + far):
             self.begin(scan)
+            for one in self.all if self.job.cycle else ():
+                one.db.set(SINCE, 0)  # no cycle is over
             self.cpu.call(self.block, pace.length())
             yield scan
             if self.cpu.misuses or self.cpu.faulted:

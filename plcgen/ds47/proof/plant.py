@@ -11,6 +11,7 @@ from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, DriveTelegram, PlannedUnit
 from plcgen.ds47.proof import clock_input, message_lists, records
 from plcgen.ds47.proof.contents import ValueSet, alike, piece, value_set, values_of
+from plcgen.ds47.proof.cycles import SINCE, cycle_signals, hold_back
 from plcgen.ds47.proof.pace import SCAN, Pace
 from plcgen.ds47.proof.partner import ScriptedDrive
 from plcgen.ds47.proof.poll_results import check_held_back, saving_scans
@@ -67,6 +68,7 @@ class Plant:
     def _instance(self, caller: DriveCaller) -> Members:
         members = [f"{job.member}.statRest" for job in self._jobs(caller) if job.guarded]
         members += [f"{job.member}.statStep" for job in self._jobs(caller) if job.waits]
+        members += [f"{job.member}.{SINCE}" for job in self._jobs(caller) if job.cycle]
         return Members(self.cpu, self.program, caller.instance.name, members)
 
     def _jobs(self, caller: DriveCaller) -> list[DriveJob]:
@@ -83,6 +85,7 @@ class Plant:
         yield from FAILED if job.in_steps else ()
         yield from (CAUSE,) if job.restores else ()
         yield from records.recipe_signals(job)
+        yield from cycle_signals(job)
         yield from clock_input.inputs(job)
         yield from (use.member for use in job.outputs)
         yield from message_lists.paths(job)
@@ -127,6 +130,8 @@ class Plant:
         """Scans of OB1."""
         for _ in range(count):
             self.scans += 1
+            for caller in self.plan.callers:
+                hold_back(self._instances[caller.number], self._jobs(caller))
             self.cpu.scan(milliseconds, blocks=self.blocks)
             if self.forgiven:
                 self.cpu.misuses[:] = [misuse for misuse in self.cpu.misuses if misuse.code not in self.forgiven]
@@ -181,8 +186,11 @@ class Plant:
     # --- rounds of all jobs ---------------------------------------------------------------------------
 
     def begin(self, scenario: DriveScenario | None = None, *, delivered: bool = False) -> None:
-        """Other values for every drive and every input; ``delivered`` leaves the inputs as they are at first."""
+        """Other values for every drive and every input; ``delivered``: inputs and commands are as they are at first."""
         self.round += 1
+        for job in self.plan.jobs if not delivered else ():
+            if job.cycle:
+                self.execute(job, value=False)
         for drive in self.units.values():
             drive.begin(scenario or DriveScenario(name="OB1"))
         for job in self.plan.jobs:

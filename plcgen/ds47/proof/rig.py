@@ -8,6 +8,7 @@ from plcgen.ds47.plan.access import Part, Running, Verify
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram
 from plcgen.ds47.proof import clock_input, message_lists
 from plcgen.ds47.proof.contents import ValueSet, held, kept, piece, value_set
+from plcgen.ds47.proof.cycles import cycle_signals
 from plcgen.ds47.proof.partner import ScriptedDrive
 from plcgen.ds47.proof.records import NUMBER, Records, recipe_signals
 from plcgen.ds47.proof.restoration import CAUSE
@@ -76,6 +77,7 @@ class JobRig:
         paths += ["job.statStep"] if job.waits else []
         paths += [f"job.{CAUSE}"] if job.restores else []
         paths += [f"job.{name}" for name in recipe_signals(job)]
+        paths += [f"job.{name}" for name in cycle_signals(job)]
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
         self.records = Records(job, self.db, "jobRecords", 1) if job.recipe is not None else None
         self.drive.asked = self.let_come if job.waits else None
@@ -99,6 +101,7 @@ class JobRig:
         ]
         names += [f"asks[{slot}].telegram" for slot in range(1, SLOTS + 1)]
         names += [f"asks[{slot}].{name}" for slot in (SLOT, OTHER) for name in ("want", "mark")]
+        names += [f"ended[{OTHER}]"]
         return Members(self.cpu, self.program, name, [f"unit.{name}" for name in names], "unit.")
 
     def let_come(self) -> None:
@@ -266,6 +269,11 @@ class JobRig:
         """The job of another slot asks for the unit, which is free; others wait for ``WAIT_MS`` at most."""
         self.channel.set("waitLimit", WAIT_MS)
         self.unit.set(f"asks[{OTHER}].want", -self.unit.get(f"asks[{OTHER}].want", signed=True) % COUNTERS + 1)
+
+    def give_up(self) -> None:
+        """The job of another slot has asked, was refused, and is not called any more."""
+        self.unit.set(f"asks[{OTHER}].want", COUNTERS)
+        self.unit.set(f"ended[{OTHER}]", COUNTERS)
 
     def alive(self, slot: int = OTHER) -> None:
         """The other job gives a sign of life; in the job's own slot it should not be."""

@@ -28,6 +28,7 @@ RULES = Rules(
         telegrams.request_buffer,
         telegrams.reference,
         telegrams.timing,
+        telegrams.repeated,
         saves.counted_apart,
         saves.short_wait,
         readback.readable,

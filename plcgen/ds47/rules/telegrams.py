@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, Note, Severity
 from plcgen.base.diagnostics.counting import quantity
+from plcgen.ds47.kinds.cycle import repeatable
 from plcgen.ds47.plan.pack import longest_response
+from plcgen.ds47.registry import kind_called
 from plcgen.ds47.rules.places import value_span
 from plcgen.project.rules.places import key_or_value, owner_span
 from plcgen.s7.types.durations import spelled
@@ -164,6 +166,19 @@ def timing(plan: DrivePlan) -> Iterator[Diagnostic]:
                 Severity.WARNING,
                 help=f"make timeout longer than {spelled(pauses)}",
                 notes=_pause(plan, job),
+            )
+
+
+def repeated(plan: DrivePlan) -> Iterator[Diagnostic]:
+    """PG264: a job that writes has a cycle."""
+    for job in plan.shapes:
+        if job.cycle and not repeatable(kind_called(job.kind)):
+            what = "reads into a record" if not kind_called(job.kind).writes else "writes"
+            yield Diagnostic(
+                "PG264",
+                f'"{job.shape}" {what}: only jobs that read or compare have a cycle',
+                plan.loaded.key_span((*job.path, "cycle")),
+                help="remove cycle, and start the job by execute when it is needed",
             )
 
 

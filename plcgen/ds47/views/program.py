@@ -46,15 +46,21 @@ def program(plan: DrivePlan, job: DriveJob, instances: Sequence[DriveJob]) -> Fu
 
 def command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
     """An instance as its caller sees it."""
+    cyclic = _cyclic(job)
     return Command(
         control=job.caller.control,
         member=job.member,
         title=label if job.key == job.shape else f"{label} ({job.drive.key})",
         flags=dict(job.trigger.items()),
-        signals=signals(plan),
+        signals=signals(plan, {"execute": cyclic} if cyclic else None, starts=bool(cyclic)),
         inputs=_inputs(plan, job),
         outputs=_outputs(plan, job),
     )
+
+
+def _cyclic(job: DriveJob) -> str:
+    """What execute does of a job with a cycle."""
+    return f"TRUE: the job runs every {job.cycle} ms" if job.cycle else ""
 
 
 def _inputs(plan: DrivePlan, job: DriveJob) -> list[CallerValue]:
@@ -123,8 +129,8 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     """What the templates know of a job.
 
     ``times`` and ``statuses`` are its constants: name, number, text. ``open_end``: the last telegram is known only
-    while it runs; ``counts_plainly``: telegrams are counted as they are sent; ``waits``: the job leaves the unit
-    between two questions; ``fails``: it may fail although every telegram was answered well.
+    while it runs; ``counts_plainly``: telegrams are counted as they are sent; ``paced``: the job itself decides
+    when its ticket starts; ``fails``: it may fail although every telegram was answered well.
     """
     where, parts = plan.target, parts_of(job)
     aligned = aligned_results(job)
@@ -142,7 +148,9 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
             (name, f"W#16#{value:04X}", text) for part in parts for name, value, text in part.words(views[part.name])
         ],
         "result": ends[0][1] if ends else _TELEGRAMS,
-        "waits": job.waits,
+        "execute_text": _cyclic(job) or "a rising edge starts the job and takes the inputs over",
+        "done_text": "stays until the next run" if job.cycle else "stays until execute falls, at least one call",
+        "paced": job.waits or bool(job.cycle),
         "open_end": any(part.ends_early(job) for part in parts),
         "counts_plainly": not any(part.counts(job) for part in parts),
         "fails": any(part.fails for part in parts),

@@ -12,7 +12,7 @@ READ = JobKind(
     place=10,
     writes=False,
     shape=Annotated[tuple[Annotated[ReadItem, short_item("parameter")], ...], ONE_OR_MORE],
-    description="parameters to read",
+    description="parameters to read; main_values: speed, current, torque and others that the profile states",
     example="read: [P50303]",
     short=lambda _: short_item_schema("ReadItem"),
 )

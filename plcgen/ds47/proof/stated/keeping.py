@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
+from plcgen.ds47.proof.stated.cyclic import cyclic_runs
 from plcgen.ds47.proof.stated.failing import failing_runs
 from plcgen.ds47.proof.stated.nominal import fill_device, supply_of, trials
 from plcgen.ds47.proof.stated.outputs import delivered_records, start_difference
@@ -120,7 +121,7 @@ def unlike(jobs: Sequence[StatedJob]) -> Sequence[StatedJob]:
     alike: dict[object, StatedJob] = {}
     for job in jobs:
         steps = tuple((step.title, step.limit_ms, step.interval_ms, step.once) for step in job.steps)
-        times = (job.timeout_ms, job.pause_ms, job.retries, job.wear_ms, job.tries)
+        times = (job.timeout_ms, job.pause_ms, job.retries, job.wear_ms, job.tries, job.cycle_ms)
         alike.setdefault((job.kind, steps, times, job.restore, job.recipe), job)
     return list(alike.values())
 
@@ -128,7 +129,7 @@ def unlike(jobs: Sequence[StatedJob]) -> Sequence[StatedJob]:
 def run_scenes(rig: StatedRig, jobs: Sequence[StatedJob], unique: Unique, found: dict[str, list[Difference]]) -> None:
     """Times, counts and failures of every job."""
     scenes = [Scene(rig, job, unique) for job in jobs]
-    every = [[*timed_runs(scene), *failing_runs(scene)] for scene in scenes]
+    every = [[*timed_runs(scene), *failing_runs(scene), *cyclic_runs(scene)] for scene in scenes]
     for number in range(max(map(len, every), default=0)):
         rig.restart()
         rig.run([run for own in every if number < len(own) for run in own[number]], PLACES)
@@ -150,7 +151,9 @@ def unreachable(rig: StatedRig, job: StatedJob) -> Iterator[Difference]:
 
 
 def start_differences(rig: StatedRig, job: StatedJob) -> Iterator[Difference]:
-    """Start values of inputs and records, before anything has run."""
+    """Start values of inputs and records, and whether the job runs by itself, before anything has run."""
+    if "execute" not in dict(job.signals) and bool(rig.cpu[rig.path(job, "execute")]) != bool(job.cycle_ms):
+        yield Difference(job.place, f"execute {'TRUE' if job.cycle_ms else 'FALSE'} at start", "the other one")
     for source, access in sources(job).items():
         if isinstance(source, FromInput):
             yield from start_difference(rig, f"{rig.member(job)}.{source.name}", source.index, source.start, access)

@@ -94,6 +94,8 @@ class StatedRun:
     """Length of the next scan if times are measured to the millisecond; 0: that does not matter."""
     delay: Callable[[str], int | None] = lambda _kind: None
     """How many ms a record job takes; None: one scan."""
+    over: Callable[[], bool] | None = None
+    """Whether it has run often enough; None: once."""
     status: int = -1
     flags: tuple[bool, bool, bool] = (False, False, False)
     """Whether it has been busy; done and error at the end."""
@@ -200,10 +202,11 @@ class StatedRig:
             self.cpu.scan(self._length(waiting, heard))
             if any(d.calls and d.calls[-1][0] >= self.cpu.clock - SCAN for d in self.units.values()):
                 heard = self.cpu.clock
-            for unit, run in list(self.going.items()):
-                if self.ended(run):
-                    del self.going[unit]
-                    heard = self.cpu.clock
+            while over := [unit for unit, run in self.going.items() if self.ended(run)]:
+                for unit in over:
+                    self.finish(self.going.pop(unit))
+                self.cpu.scan(SCAN)
+                heard = self.cpu.clock
 
     def _begin_due(self, waiting: dict[str, list[StatedRun]], units: int | None) -> int:
         """Start the next run of every unit that is free; when the last one was started."""
@@ -239,8 +242,11 @@ class StatedRig:
         return None
 
     def restart(self) -> None:
-        """As after a download: everything has its start values, nothing runs."""
+        """As after a download: everything has its start values, but nothing runs by itself."""
         self.cpu.restart("cold")
+        for job in self.statement.jobs:
+            if job.cycle_ms:
+                self.cpu[self.path(job, "execute")] = False
         self.cpu.misuses.clear()
         self.strays.clear()
         for device in self.units.values():
@@ -261,10 +267,7 @@ class StatedRig:
         done, error, busy = (self.signal(run.job, name) for name in ("done", "error", "busy"))
         run.busy = run.busy or bool(busy)
         late = self.cpu.clock - run.started > patience(run.job)
-        if not done and not error and not late:
-            return False
-        self.finish(run)
-        return True
+        return bool(done or error or late) if run.over is None else run.over()
 
     def finish(self, run: StatedRun) -> None:
         """Keep what came of a run; the command falls."""
@@ -275,7 +278,6 @@ class StatedRig:
         run.ends(run)
         self.cpu[self.path(run.job, "execute")] = False
         device.reset()
-        self.cpu.scan(SCAN)
 
     def missing(self, run: StatedRun) -> list[Difference]:
         """What the conversation of a run was not."""

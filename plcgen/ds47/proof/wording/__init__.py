@@ -143,11 +143,11 @@ class DriveWording:
             for bit in use.bits:
                 if bit.member == name:
                     found |= value_texts(bit, bit_label(use, bit, called[use.position]))
-        features, records = _features(job), job.recipe.count if job.recipe else 0
+        features, figures = _features(job), {"records": job.recipe.count if job.recipe else 0, "cycle": job.cycle}
         return (
             frozenset(found)
-            | _sentence(role, name, features, records)
-            | _sentence("delivered", name, features, records)
+            | _sentence(role, name, features, figures)
+            | _sentence("delivered", name, features, figures)
         )
 
     def _command(self, path: Sequence[str]) -> frozenset[str] | None:
@@ -364,7 +364,7 @@ class DriveWording:
     def shown(self, block: Block, path: Sequence[str], type_: str) -> Shown | None:
         """How a watch table shows a member, and what it offers to write; None if nobody knows."""
         name = block.name.upper()
-        number = "FloatingPoint" if type_ in {"REAL", "LREAL"} else "Bool" if type_ == "BOOL" else ""
+        number = {"REAL": "FloatingPoint", "LREAL": "FloatingPoint", "BOOL": "Bool", "TIME": "Time"}.get(type_, "")
         if name in self.controls:
             own = {"status": "Hex", "cause": "HEX"}.get(path[-1]) if len(path) == 2 else None
             return Shown(own or number or "DEC", "TRUE" if path[1:] == ["execute"] else "")
@@ -411,19 +411,22 @@ def _features(job: DriveJob) -> frozenset[str]:
         "reads back": job.verified,
         "recipe": job.recipe is not None,
         "steps": job.in_steps,
+        "cycle": job.cycle > 0,
         "history": job.messages is not None and len(job.messages.settings.latest_last) > 1,
     }
     return frozenset(name for name, has in found.items() if has)
 
 
-def _sentence(role: str, name: str, features: frozenset[str] = frozenset(), records: int = 0) -> frozenset[str]:
+def _sentence(
+    role: str, name: str, features: frozenset[str] = frozenset(), figures: Mapping[str, int] = MappingProxyType({})
+) -> frozenset[str]:
     """Texts of a member: those for what the block does, else the one for all; none is the empty text."""
     table = guide.sentences()[role]
     stem = name.rstrip("0123456789") if name not in table else name
     special = [text for key, text in table.items() if (parts := key.partition(":"))[0] == stem and parts[2] in features]
     found = special or [table.get(stem, "")]
     said = [one for text in found for one in ([text] if isinstance(text, str) else text)]
-    return frozenset(text.format(records=records) for text in said)
+    return frozenset(text.format(**figures) for text in said)
 
 
 def _of_drive(title: str, job: DriveJob) -> str:

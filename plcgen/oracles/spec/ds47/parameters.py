@@ -63,6 +63,8 @@ class StatedCatalogue:
         having = next((name for name, one in _chain(device, profiles) if one.get("lists")), device)
         asked = profiles[having].get("lists") or []
         self._lists = StatedLists(asked, source.lists, object_type, lent=having != device)
+        stated = (one["main_values"] for _, one in _chain(device, profiles) if one.get("main_values"))
+        self.main_values: Mapping[str, str] = next(stated, {})
         self.called = [device]
         for step, (name, profile) in reversed(list(enumerate(_chain(device, profiles)))):
             self.called += [name] if step else []

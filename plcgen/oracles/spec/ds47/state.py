@@ -15,6 +15,7 @@ from plcgen.oracles.spec.ds47.drives import KnownDrive, known_drives
 from plcgen.oracles.spec.ds47.kinds import messages, recipe, save
 from plcgen.oracles.spec.ds47.settings import outside_signals, restores, times
 from plcgen.oracles.spec.ds47.statement import StatedJob, StatedStep, Statement, Unstated
+from plcgen.oracles.spec.ds47.times import milliseconds
 from plcgen.oracles.spec.place import NotStatedError, SpecSource, texts
 
 StatesKind = Callable[[JobReader], Iterator[StatedStep]]
@@ -96,6 +97,7 @@ def job_on_drives(
             retries=own.counted(own.timeout_ms if restore else timeout),
             signals=tuple(outside_signals(entry.job)),
             wear_ms=save.distance_ms(saves) if save.saves(saves) else 0,
+            cycle_ms=milliseconds(entry.job.get("cycle"), 0),
             restore=restore,
             verify=entry.job.get("verify") == "readback",
             comments=texts(entry.job.get("comment")),

@@ -203,7 +203,8 @@ class StatedJob:
 
     ``member`` is its structure in DB DriveJobs. ``signals`` are triggers that lie elsewhere. ``tries`` is how often
     the steps of a buffer are read that changes meanwhile, ``wear_ms`` the shortest time between two of its saves.
-    ``restore``: what to do with the old values if it fails: empty, ``stopped`` or ``running``.
+    ``restore``: what to do with the old values if it fails: empty, ``stopped`` or ``running``. ``cycle_ms``: it runs by
+    itself, so long from one start to the next; 0: only an edge starts it.
     """
 
     key: str
@@ -218,6 +219,7 @@ class StatedJob:
     signals: tuple[tuple[str, str], ...] = ()
     tries: int = 0
     wear_ms: int = 0
+    cycle_ms: int = 0
     restore: str = ""
     recipe: str = ""
     records: int = 0
@@ -232,6 +234,7 @@ class StatedJob:
         lines += [f"  {number} {step}" for number, step in enumerate(self.steps, 1)]
         lines.append(f"  timeout {self.timeout_ms} ms, {self.retries} retries, a pause of {self.pause_ms} ms")
         lines += [f"  at least {self.wear_ms} ms from one save to the next"] if self.wear_ms else []
+        lines += [f"  again every {self.cycle_ms} ms while execute is TRUE"] if self.cycle_ms else []
         lines += [f"  old values are restored while it is {self.restore}"] if self.restore == "stopped" else []
         lines += ["  old values are restored whether it runs or not"] if self.restore == "running" else []
         lines += [f"  read again if the buffer has changed, {self.tries} times in all"] if self.tries else []
