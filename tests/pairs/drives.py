@@ -19,7 +19,8 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     ),
     "kind": (
         "read", "main_values", "write", "input", "bits", "readback", "saved", "restore", "save", "faults", "alarms",
-        "acknowledge", "compare", "steps", "until", "activate", "clock", "write_recipe", "read_recipe", "compare_recipe",
+        "acknowledge", "compare", "steps", "until", "activate", "clock", "write_recipe", "read_recipe",
+        "compare_recipe",
     ),
     "type": (
         "Boolean", "Integer8", "Integer16", "Integer32", "Integer64", "Unsigned8", "Unsigned16", "Unsigned32",
