@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from plcgen.build.members import plain
 from plcgen.build.nouns import CallerValue
 from plcgen.build.spelling import type_words
-from plcgen.ds47.kinds.cycle import LEAST_VALID_MS, OLDEST_MS, VALID, WAITS
+from plcgen.ds47.kinds.repeated import LEAST_VALID_MS, OLDEST_MS, VALID, WAITS
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.ds47.views.parts import BlockParts
 
@@ -37,7 +37,7 @@ PARTS = (
         has=lambda job: job.cycle > 0,
         members=frozenset({"valid", "age"}),
         reserved=frozenset({"cycle", "cycle_waits", "valid_limit", "oldest"}),
-        template="plcgen.ds47.kinds.cycle:parts.scl.j2",
+        template="plcgen.ds47.kinds.repeated:parts.scl.j2",
         view=lambda _, job: job.cycle,
         times=_times,
         outputs=age_values,

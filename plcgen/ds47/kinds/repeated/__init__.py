@@ -2,16 +2,9 @@
 
 from __future__ import annotations
 
-from plcgen.ds47.kind import JobKind
-
 WAITS, VALID = 2, 3
 """Cycles: after so many it no longer lets others go first; values are valid for so many."""
 LEAST_VALID_MS = 1000
 """So long values are valid at least: a telegram may take longer than a short cycle."""
 OLDEST_MS = 24 * 86_400_000
 """24 days: as far as a TIME counts; so old or older, or there are no values yet."""
-
-
-def repeatable(kind: JobKind) -> bool:
-    """Whether a job of a kind can have a cycle: it writes nothing, neither into the drive nor into a record."""
-    return not kind.writes and (kind.compares or not kind.recorded)
