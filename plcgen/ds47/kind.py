@@ -178,6 +178,11 @@ class JobKind:
     title: Callable[[Any], str] | None = None
     permits: Callable[[Any], Mapping[int, str]] | None = None
 
+    @property
+    def repeatable(self) -> bool:
+        """Whether a job of it can have a cycle: it writes nothing, neither into the drive nor into a record."""
+        return not self.writes and (self.compares or not self.recorded)
+
 
 def within_limit(interval: int, info: ValidationInfo) -> int:
     """The interval of questions, if the first of them does not come after the limit."""

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, Note, Severity
 from plcgen.base.diagnostics.counting import quantity
-from plcgen.ds47.kinds.cycle import repeatable
 from plcgen.ds47.plan.pack import longest_response
 from plcgen.ds47.registry import kind_called
 from plcgen.ds47.rules.places import value_span
@@ -172,7 +171,7 @@ def timing(plan: DrivePlan) -> Iterator[Diagnostic]:
 def repeated(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG264: a job that writes has a cycle."""
     for job in plan.shapes:
-        if job.cycle and not repeatable(kind_called(job.kind)):
+        if job.cycle and not kind_called(job.kind).repeatable:
             what = "reads into a record" if not kind_called(job.kind).writes else "writes"
             yield Diagnostic(
                 "PG264",
