@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,6 +22,8 @@ HEADER = frozenset({"AUTHOR", "FAMILY", "NAME", "VERSION"})
 """All that the header of a block may say; anything else (READ_ONLY, UNLINKED, ..) changes what it does."""
 _CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
 _WORDS = re.compile(r"^\s*(READ_ONLY|UNLINKED|KNOW_HOW_PROTECT|STANDARD|CODE_VERSION1|RETAIN)\b", re.MULTILINE)
+_ENTRY = re.compile(r"^\s*(AUTHOR|FAMILY|NAME|VERSION|TITLE|NON_RETAIN|\{ *S7_Optimized_Access)\b", re.MULTILINE)
+_ACCESS, _BOTH = re.compile(r"S7_Optimized_Access\s*:=\s*([^\s}]*)"), frozenset({"'TRUE'", "'FALSE'"})
 _BODY = re.compile(r"^\s*(?:VAR|STRUCT|BEGIN|\"|//)", re.MULTILINE)
 _STATED = {"AutoNumber": "false", "SecondaryType": "ProgramCycle"}
 
@@ -108,8 +111,11 @@ def _members(members: Iterator[Member]) -> Iterator[Member]:
 def _protected(folder: Folder, name: str) -> Iterator[Diagnostic]:
     """Words of a header that change what a block does and that the model of a block has no place for."""
     head = _BODY.split(folder.text_of(name), maxsplit=1)[0]
-    for word in dict.fromkeys(_WORDS.findall(head)):
-        yield Diagnostic("PG614", f"the header says {word}", folder.place(name))
+    said = [f"the header says {word}" for word in dict.fromkeys(_WORDS.findall(head))]
+    counts = Counter(_ENTRY.findall(head))
+    said += [f"the header has {word} {count} times" for word, count in counts.items() if count > 1]
+    said += [f"the header has S7_Optimized_Access := {value}" for value in _ACCESS.findall(head) if value not in _BOTH]
+    yield from (Diagnostic("PG614", text, folder.place(name)) for text in said)
 
 
 def _stated(path: Path) -> Iterator[Diagnostic]:

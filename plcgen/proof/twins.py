@@ -105,18 +105,24 @@ def _remarks(text: str, document: str) -> str:
 def _stored(text: Block, document: Block, known: dict[str, Block], documents: dict[str, Block]) -> str:
     """A data block or type: the same places, the same bytes at start."""
     try:
-        places = [
-            [(one.path, one.offset, one.size, _plain(one.type)) for one in layout_block(block, blocks).entries]
-            for block, blocks in ((text, known), (document, documents))
-        ]
-        starts = [bytes(image(block, blocks)) for block, blocks in ((text, known), (document, documents))]
+        places = [_places(text, known)]
+        starts = [bytes(image(text, known))]
     except (DiagnosticError, LiteralError):
         return ""  # the checks of layout and telegrams tell
+    try:
+        places += [_places(document, documents)]
+        starts += [bytes(image(document, documents))]
+    except (DiagnosticError, LiteralError) as problem:
+        return f"the document cannot be laid out: {problem}"
     for one, two in zip_longest(*places):
         if one != two:
             return f"{(one or two)[0]} is declared differently in the document"
     at = next((at for at, pair in enumerate(zip(*starts, strict=True)) if pair[0] != pair[1]), None)
     return "" if at is None else f"byte {at} has another start value in the document"
+
+
+def _places(block: Block, known: dict[str, Block]) -> list[tuple[object, ...]]:
+    return [(one.path, one.offset, one.size, _plain(one.type)) for one in layout_block(block, known).entries]
 
 
 def _spoken(first: tuple[Member, ...], second: tuple[Member, ...], *, same: Same) -> str:

@@ -12,6 +12,7 @@ from plcgen.base.diagnostics.counting import quantity, shortlist
 from plcgen.base.files.text import read_text
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.ds47.proof import stimulus
+from plcgen.ds47.proof.calls import check_calls
 from plcgen.ds47.proof.commands import check_commands
 from plcgen.ds47.proof.conduct import JobConduct
 from plcgen.ds47.proof.dissected import dissected_checks
@@ -85,6 +86,7 @@ class DriveProof:
         yield from check_telegrams(self.plan, folder)
         place, plan = (lambda: Span(str(folder.path))), self.plan
         yield Pending("commands", "commands", place, lambda: check_commands(plan, folder))
+        yield Pending("calls", "calls", place, lambda: check_calls(plan, folder))
 
     def exchanges(self, folder: Folder, partner: Path | None, progress: Progress | None) -> CheckGroup | None:
         """Every telegram against the simulated drive, or the one in a drive file."""

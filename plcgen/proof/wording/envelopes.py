@@ -12,6 +12,7 @@ from plcgen.project.nouns import Project
 from plcgen.proof.folder import Folder, plain
 from plcgen.proof.wording.guides import CULTURES, cultures
 from plcgen.proof.wording.model import Wording, states, untitled
+from plcgen.proof.wording.shapes import misshapen
 from plcgen.s7.xml.reading.xml import child, children, load, local, parse_xml, span, text
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ def check_envelope(
     if version != project.target.xml_version:
         message = f"the document is of {version}, {project.target.toolchain} writes {project.target.xml_version}"
         yield Diagnostic("PG614", message, place)
+    yield from misshapen(path, root)
     wanted = cultures(project)
     for element in root.iter():
         tag = local(element)

@@ -73,10 +73,10 @@ class DriveWording:
         """Whether the sources are in English."""
         return self.plan.languages[0].startswith("en")
 
-    @cached_property
+    @property
     def stated(self) -> Stated:
         """What the spec demands, read a second time."""
-        return stated_of(self.plan.loaded)
+        return stated_of(self.plan)
 
     @cached_property
     def engine(self) -> dict[str, str]:
@@ -144,11 +144,8 @@ class DriveWording:
                 if bit.member == name:
                     found |= value_texts(bit, bit_label(use, bit, called[use.position]))
         features, figures = _features(job), {"records": job.recipe.count if job.recipe else 0, "cycle": job.cycle}
-        return (
-            frozenset(found)
-            | _sentence(role, name, features, figures)
-            | _sentence("delivered", name, features, figures)
-        )
+        found |= _sentence(role, name, features, figures) | _sentence("delivered", name, features, figures)
+        return frozenset(found - {""} or found)
 
     def _command(self, path: Sequence[str]) -> frozenset[str] | None:
         job = next((job for job in self.plan.jobs if job.member == path[0]), None)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import chain
 
 from plcgen.base.diagnostics import Diagnostic, Span
@@ -22,7 +23,6 @@ from plcgen.oracles.spec.ds47.signing import sign_off, values_written
 from plcgen.oracles.spec.ds47.state import shipped_statements, state_jobs
 from plcgen.oracles.spec.ds47.statement import FromInput, Number, Source, StatedAccess, StatedDrive, StatedJob
 from plcgen.oracles.spec.place import NotStatedError, SpecPlace
-from plcgen.project.spec import LoadedSpec
 from plcgen.proof.wording.model import unlike
 
 OUTPUT = 0x8000
@@ -59,9 +59,10 @@ class Stated:
             yield f"{why}; signed off: {signed or 'no'}"
 
 
-def stated_of(loaded: LoadedSpec) -> Stated:
-    """What a spec demands; nothing if that cannot be stated, which the group Spec reports."""
-    source = spec_source(loaded)
+@lru_cache(maxsize=1)
+def stated_of(plan: DrivePlan) -> Stated:
+    """What the spec of a plan demands; nothing if that cannot be stated, which the group Spec reports."""
+    source = spec_source(plan.loaded)
     try:
         drives = known_drives(source)
         statement = state_jobs(source, kinds_of_others(), drives)
