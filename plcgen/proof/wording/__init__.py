@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from itertools import chain
 
 from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.base.files.files import read_bounded
@@ -17,7 +18,14 @@ from plcgen.proof.checks import Check, Outcome, file_check
 from plcgen.proof.folder import Folder
 from plcgen.proof.wording.comments import check_block
 from plcgen.proof.wording.envelopes import check_envelope, said_in_spec
-from plcgen.proof.wording.guides import DOCUMENTS, GUIDE, check_documents_guide, check_guide
+from plcgen.proof.wording.guides import (
+    DOCUMENTS,
+    GUIDE,
+    broken_tables,
+    check_documents_guide,
+    check_guide,
+    check_line_ends,
+)
 from plcgen.proof.wording.listing import FILE as MANIFEST
 from plcgen.proof.wording.listing import check_manifest
 from plcgen.proof.wording.main import check_main
@@ -26,6 +34,7 @@ from plcgen.proof.wording.sheet import FILE as SHEET
 from plcgen.proof.wording.sheet import Said, check_sheet
 from plcgen.proof.wording.tags import check_symbols, check_tags
 from plcgen.proof.wording.watches import Watches
+from plcgen.s7.read.generated import ATTRIBUTES
 from plcgen.s7.types.blocks import BlockKind
 
 MAX_BYTES = 16 * 1024 * 1024
@@ -83,6 +92,7 @@ def _files(project: Project, folder: Folder, stated: Sequence[Wording]) -> Itera
     looks: dict[str, Callable[[str], Iterator[Said]]] = {
         GUIDE: partial(check_guide, project, folder.path, stated),
         SHEET: partial(check_sheet, project, folder, stated),
+        ATTRIBUTES: check_line_ends,
         MANIFEST: partial(check_manifest, project, folder, stated),
         DOCUMENTS: partial(check_documents_guide, project, folder, stated),
         "symbols.sdf": partial(check_symbols, project, stated),
@@ -94,4 +104,5 @@ def _files(project: Project, folder: Folder, stated: Sequence[Wording]) -> Itera
         if path.is_file() and not is_owned(name, project.loaded.spec.plc.user_owned):
             encoding = "cp1252" if name.endswith(".sdf") else "utf-8-sig"
             text = read_bounded(path, MAX_BYTES).decode(encoding, "replace").replace("\r\n", "\n")
-            yield from (Diagnostic("PG614", what, Span(str(path), line)) for line, what in look(text))
+            said = chain(look(text), broken_tables(text) if name.endswith(".md") else ())
+            yield from (Diagnostic("PG614", what, Span(str(path), line)) for line, what in said)

@@ -17,6 +17,7 @@ from plcgen.proof.wording.unproven import EARLY, VERSION, WATCH, unproven
 
 GUIDE, DOCUMENTS = "IMPORT.md", "xml/IMPORT.md"
 _RULE = re.compile(r"\|(?:-+:?\|)+|```\w*|")
+_BAR = re.compile(r"(?<!\\)\|")
 _STEP = re.compile(r"\d+\. `+ ?(?P<path>[^`]+?) ?`+")
 CULTURES = {"en": "en-US", "de": "de-DE", "zh": "zh-CN", "fr": "fr-FR", "it": "it-IT", "es": "es-ES"}
 """What the TIA Portal calls a language of which a spec says only the first part."""
@@ -160,6 +161,23 @@ def _experimental(project: Project, folder: Folder, stated: Sequence[Wording]) -
 def _says(names: set[str], note: str, text: str) -> bool:
     front, _, said = text.partition(": ")
     return text.startswith("- ") and said == note and set(re.findall(r"`([^`]+)`", front)) == names
+
+
+def check_line_ends(text: str) -> Iterator[tuple[int, str]]:
+    """``.gitattributes``: git must not change the ends of lines, for hashes and importers read bytes."""
+    if [line for line in text.split("\n") if line and not line.startswith("#")] != ["* -text"]:
+        yield 1, 'it does not say "* -text", and nothing else'
+
+
+def broken_tables(text: str) -> Iterator[tuple[int, str]]:
+    """Tables that nobody sees as such: the rule stands in the second line and nowhere else, all rows are as wide."""
+    width, row = 0, 0
+    for number, line in enumerate(text.split("\n"), 1):
+        cells = len(_BAR.findall(line)) if line.startswith("|") else 0
+        row = row + 1 if cells else 0
+        width = cells if row == 1 else width
+        if cells and ((_RULE.fullmatch(line) is not None) != (row == 2) or cells != width):
+            yield number, f'"{line}" is no row {row} of a table with {width - 1} columns'
 
 
 def differences(wanted: Sequence[GuideLine], lines: Sequence[str], start: int) -> Iterator[tuple[int, str]]:

@@ -56,41 +56,51 @@ ATTRIBUTES: Mapping[str, Mapping[str, str]] = MappingProxyType(
     }
 )
 """The attributes of an element, all of them, as patterns of their values; whatever is not here has none."""
+IN_CODE = frozenset({"UId", "Text", "Num", "Scope", "Name", "BlockType"})
+"""Attributes of elements of code; each has a number, but for the text of a comment."""
+ELEMENTS = frozenset(
+    {
+        "Token", "Blank", "Access", "Symbol", "Component", "Constant", "ConstantValue", "NewLine", "Instruction",
+        "Parameter", "NamelessParameter", "CallInfo", "Instance", "BooleanAttribute", "LineComment",
+    }
+)  # fmt: skip
+"""Elements of code that are generated (SW.PlcBlocks.Access, SW.PlcBlocks.SCL)."""
 MEMBER = frozenset({"Name", "Datatype"}), frozenset({"Version", "Remanence"})
 """What a member must have, and may have."""
 
 
 def misshapen(path: Path, root: Element) -> Iterator[Diagnostic]:
     """Elements that are not where they may be; the code of a block is compared token by token."""
-    seen: set[str] = set()
     pending = [root]
     while pending:
         element = pending.pop()
-        name, inner = local(element), [local(one) for one in element]
-        place = span(element, str(path))
-        if name == "AttributeList":
-            good = inner == sorted(set(inner)) or set(inner) <= {"BooleanAttribute", "StringAttribute"}
-        else:
-            pattern = CONTENTS.get(name, OBJECT if name.startswith("SW.") else "")
-            good = re.fullmatch(pattern, "".join(f"{one} " for one in inner)) is not None
-        stray = "".join([element.text or "", *(one.tail or "" for one in element)]).strip() if inner else ""
-        if not good or stray:
-            yield Diagnostic("PG614", f"{name} has {stray or ', '.join(inner) or 'nothing'} in it", place)
-        found = {str(key): str(value) for key, value in element.attrib.items()}
-        yield from (Diagnostic("PG614", one, place) for one in _attributes(name, found))
-        number = found.get("ID", "")
-        if number and number in seen:
-            yield Diagnostic("PG614", f"{name} has the ID {number} of another object", place)
-        seen.add(number)
-        pending += [one for one in element if local(one) != "StructuredText"]
+        for what in _wrong(element):
+            yield Diagnostic("PG614", what, span(element, str(path)))
+        pending += element if local(element) != "StructuredText" else ()
 
 
-def _attributes(name: str, found: Mapping[str, str]) -> Iterator[str]:
+def _wrong(element: Element) -> Iterator[str]:
+    name, inner = local(element), [local(one) for one in element]
+    if name == "StructuredText":
+        known = ({local(one), *map(str, one.attrib)} for one in element.iterdescendants())
+        odd = next((one for one in known if not one & {"UId", "Text"} or not one - IN_CODE <= ELEMENTS), None)
+        if odd is not None:
+            yield f"{name} has an element with {', '.join(sorted(odd))}"
+        return
+    stray = "".join([element.text or "", *(one.tail or "" for one in element)]).strip() if inner else ""
+    if name == "AttributeList":
+        good = len(inner) == len(set(inner)) or set(inner) <= {"BooleanAttribute", "StringAttribute"}
+    else:
+        pattern = CONTENTS.get(name, OBJECT if name.startswith("SW.") else "")
+        good = re.fullmatch(pattern, "".join(f"{one} " for one in inner)) is not None
+    if not good or stray:
+        yield f"{name} has {stray or ', '.join(inner) or 'nothing'} in it"
+    found = {str(key): str(value) for key, value in element.attrib.items()}
+    wanted = ATTRIBUTES.get(name, {"ID": ID} if name.startswith("SW.") else {})
     if name == "Member":
         if not MEMBER[0] <= set(found) <= MEMBER[0] | MEMBER[1]:
             yield f"{name} has the attributes {', '.join(found)}"
         return
-    wanted = ATTRIBUTES.get(name, {"ID": "0"} if name.startswith("SW.") else {})
     for key in sorted({*found, *wanted}):
         if key not in wanted or re.fullmatch(wanted[key], found.get(key, "")) is None:
             yield f"{name} has {key} = {found.get(key, 'nothing')}"

@@ -40,6 +40,7 @@ class _Table:
     starts: dict[str, str]
     stated: Sequence[Wording]
     seen: int = 0
+    place: int = -1
 
     def texts(self, name: str, offset: int) -> set[str]:
         """What a member may say: a sheet says it in English where its source says it in another language."""
@@ -179,6 +180,9 @@ def _row(table: _Table, row: Sequence[str]) -> Iterator[str]:
     if entry is None:
         yield f"{of} has no {name}"
         return
+    if entry.offset <= table.place:
+        yield f"{of}.{name} stands behind what lies behind it"
+    table.place = entry.offset
     right = (str(entry.byte), type_text(entry.type).upper(), str((entry.size + 7) // 8))
     if (offset, type_.upper(), size) != right:
         yield f"{of}.{name} lies at {right[0]}, {right[1]}, {right[2]} bytes"
