@@ -181,7 +181,7 @@ def _row(table: _Table, row: Sequence[str]) -> Iterator[str]:
         yield f"{of} has no {name}"
         return
     if entry.offset <= table.place:
-        yield f"{of}.{name} stands behind what lies behind it"
+        yield f"{of}.{name} is listed after what lies after it"
     table.place = entry.offset
     right = (str(entry.byte), type_text(entry.type).upper(), str((entry.size + 7) // 8))
     if (offset, type_.upper(), size) != right:
