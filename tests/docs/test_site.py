@@ -13,6 +13,7 @@ from types import ModuleType
 import pytest
 import yaml
 
+from tests.chromium import evaluate
 from tests.projects import ROOT
 
 
@@ -77,12 +78,13 @@ def test_links_are_those_of_the_repository(page: str, written: str, expected: st
     assert hook().relinked(written, page) == expected
 
 
-@pytest.mark.slow
-def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
-    """Skipped where MkDocs is not installed: it has an environment of its own (make site)."""
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the site; skips where MkDocs is not installed: it has an environment of its own (make site)."""
     program = shutil.which("mkdocs", path=f"{ROOT / '.venv-site' / 'bin'}{os.pathsep}{os.environ['PATH']}")
     if program is None:
         pytest.skip("mkdocs is not installed: make site installs it")
+    folder = tmp_path_factory.mktemp("site")
     command = [
         program,
         "build",
@@ -91,10 +93,25 @@ def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
         "--config-file",
         str(ROOT / ".github" / "mkdocs.yml"),
         "-d",
-        str(tmp_path),
+        str(folder),
     ]
     environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-    page = (tmp_path / "tutorial.html").read_text("utf-8")
+    return folder
+
+
+@pytest.mark.slow
+def test_the_site_fetches_nothing(site: Path) -> None:
+    """It is built without a warning, and no page asks another server."""
+    page = (site / "tutorial.html").read_text("utf-8")
     assert not re.findall(r"<(?:script|link|img)[^>]*(?:src|href)=[\"']https?:", page)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", ["spec", "ppi", "generated-code", "lock", "layout"])
+def test_code_is_not_cut(page: str, site: Path) -> None:
+    """Every block of code is as wide as its widest line at a width of 1400 px; these pages have the longest lines."""
+    cut = """Array.from(document.querySelectorAll("pre > code")).filter((one) => one.scrollWidth > one.clientWidth)
+      .map((one) => one.textContent.slice(0, 60))"""
+    assert evaluate(site / f"{page}.html", site, cut, policy=False) == []
