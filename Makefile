@@ -101,7 +101,7 @@ GROUP := $(PYTHON) -c 'import sys, tomllib; print(*tomllib.load(open("pyproject.
 site:
 	@test -x $(SITE)/mkdocs || { $(PYTHON) -m venv .venv-site && $(GROUP) site > .venv-site/site.in && \
 	  $(SITE)/pip install --quiet --disable-pip-version-check -r .venv-site/site.in .; }
-	NO_MKDOCS_2_WARNING=1 $(SITE)/mkdocs build --strict --quiet --config-file .github/mkdocs.yml
+	NO_MKDOCS_2_WARNING=1 $(SITE)/mkdocs build --strict --config-file .github/mkdocs.yml
 
 # Screenshots of review pages for the documentation; needs Chromium.
 pictures: $(READY)

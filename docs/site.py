@@ -11,7 +11,14 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = {
     "README.md": "index.md",
+    "README.de.md": "README.de.md",
+    "README.zh.md": "README.zh.md",
+    "plcgen/s7/README.md": "s7.md",
+    "plcgen/s7/layout/README.md": "s7-layout.md",
+    "plcgen/s7/memory/README.md": "s7-memory.md",
+    "tests/engine/README.md": "engine.md",
     "examples/README.md": "examples.md",
+    "templates/README.md": "templates.md",
     "CHANGELOG.md": "CHANGELOG.md",
 }
 """Where the pages outside ``docs`` stand in the site."""

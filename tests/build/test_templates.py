@@ -93,8 +93,8 @@ def test_an_indented_include_is_moved_to_the_right() -> None:
 
 
 def test_the_page_explains_every_condition_and_part() -> None:
-    """docs/templates.md has each condition of the templates of a job and each part of a feature, and no others."""
-    page = (ROOT / "docs" / "templates.md").read_text("utf-8")
+    """templates/README.md has each condition of the templates of a job and each part of a feature, and no others."""
+    page = (ROOT / "templates" / "README.md").read_text("utf-8")
     text = "".join(path.read_text("utf-8") for path in JOB)
     conditions = {name for mark in re.findall(r"\{% (?:el)?if(.*?)%\}", text) for name in re.findall(r"job\.\w+", mark)}
     explained = {

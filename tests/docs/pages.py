@@ -15,7 +15,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PAGES = [path for path in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))) if path.parent.name != "codes"]
+PAGES = [
+    ROOT / "README.md",
+    *(ROOT / name / "README.md" for name in ("templates", "plcgen/s7/layout", "plcgen/s7/memory", "tests/engine")),
+    *(path for path in sorted((ROOT / "docs").rglob("*.md")) if path.parent.name != "codes"),
+]
 """All pages but those of the codes: their examples are the table of codes, which has tests of its own."""
 
 _BLOCK = re.compile(r"((?:^<!--.*?-->\n)*)^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)

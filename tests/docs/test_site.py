@@ -89,7 +89,6 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
         program,
         "build",
         "--strict",
-        "--quiet",
         "--config-file",
         str(ROOT / ".github" / "mkdocs.yml"),
         "-d",
