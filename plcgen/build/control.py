@@ -32,7 +32,7 @@ def signal_operand(command: Command, name: str) -> str:
     """Operand of a signal or value: its flag or symbol, else its member of the control DB."""
     flag = command.flags.get(name)
     if flag is not None:
-        return flag.text() if isinstance(flag, OwnSymbol) else f'"{flag_name(command.member, name)}"'
+        return flag.text() if isinstance(flag, OwnSymbol) else f'"{flag_name(command.prefix, command.member, name)}"'
     return f'"{command.control.name}".{command.member}.{name}'
 
 
@@ -55,7 +55,7 @@ def tags(command: Command) -> list[TagRow]:
     """The absolute flags of a job."""
     return [
         TagRow(
-            flag_name(command.member, signal),
+            flag_name(command.prefix, command.member, signal),
             "Word" if address.width_bits > 1 else "Bool",
             address.text(percent=False),
             f"{signal}: {command.title}",

@@ -103,10 +103,11 @@ def _same(name: str) -> str:
 class Command:
     """A job as its caller sees it: a structure ``member`` of the DB ``control``, or where else the spec places signals.
 
-    ``pin`` gives the name of a signal or value at the block.
+    ``pin`` gives the name of a signal or value at the block, ``prefix`` stands in front of the names of its tags.
     """
 
     control: BlockRef
+    prefix: str
     member: str
     title: str
     flags: Mapping[str, Flag]

@@ -252,9 +252,15 @@ def untranslated(plan: PpiPlan) -> Iterator[tuple[SpecPath, str]]:  # noqa: ARG0
 
 def taken(plan: PpiPlan) -> Iterator[tuple[str, str, Span | None]]:
     """Names of the tables."""
-    yield "PpiJobTags", "the tag table of the PPI jobs", None
+    yield f"{plan.prefix}PpiJobTags", "the tag table of the PPI jobs", None
     for master in plan.masters:
         yield f"Watch_{master.block.name}", f'the watch table of master "{master.key}"', None
 
 
-RULES = Rules(checks=(checks,), names=names, texts=texts, untranslated=untranslated, taken=taken)
+def partners(plan: PpiPlan) -> Iterator[tuple[str, str, Span]]:
+    """Serial ports: a line has one master."""
+    for master in plan.masters:
+        yield f"{master.module} {master.port}", f"the port {master.port}", plan.loaded.span(master.path)
+
+
+RULES = Rules(checks=(checks,), names=names, texts=texts, untranslated=untranslated, taken=taken, partners=partners)

@@ -149,9 +149,9 @@ class PlannedTrigger:
         return [(name, place) for name, place in self.items() if isinstance(place, OwnSymbol)]
 
 
-def flag_name(member: str, signal: str) -> str:
+def flag_name(prefix: str, member: str, signal: str) -> str:
     """Name of the tag that an absolute flag gets; ``member`` is that of its job."""
-    return f"{member}{signal.capitalize()}"
+    return f"{prefix}{member}{signal.capitalize()}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -177,6 +177,11 @@ class Frame:
     name: str
     target: Target
     languages: tuple[str, ...]
+
+    @property
+    def prefix(self) -> str:
+        """What stands in front of every name that plcgen makes."""
+        return self.loaded.spec.plc.prefix
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,21 +17,25 @@ _ROLE = re.compile(r"(?:_Request[0-9]*|_Response[0-9]*|_DB|_WrRec|_RdRec|_Send|_
 class Numbering:
     """Hands out block references; automatic numbers avoid pinned ones."""
 
-    def __init__(self, where: Target, first: dict[str, int], pinned: Iterable[tuple[str, int]]) -> None:
+    def __init__(
+        self, where: Target, first: dict[str, int], pinned: Iterable[tuple[str, int]], prefix: str = ""
+    ) -> None:
         self.where = where
+        self.prefix = prefix
         self.next = dict(first)
         self.pinned = set(pinned)
 
     def apart(self) -> Numbering:
         """Numbers for blocks that are named but not made."""
-        return Numbering(self.where, dict.fromkeys(self.next, 1), ())
+        return Numbering(self.where, dict.fromkeys(self.next, 1), (), self.prefix)
 
     def block(
         self, kind: str, name: str, path: SpecPath, number: int | None = None, *, given: bool = False
     ) -> BlockRef:
-        """A block; ``given`` says that the name comes from the spec and is not shortened."""
-        if not given and self.where.v5:
-            name = _shortened(name)
+        """A block; ``given`` says that the name comes from the spec, which is neither shortened nor gets the prefix."""
+        if not given:
+            name = self.prefixed(name)
+            name = _shortened(name) if self.where.v5 else name
         if number is not None:
             return BlockRef(kind, name, number, pinned=True, path=path)
         candidate = self.next[kind]
@@ -39,6 +43,16 @@ class Numbering:
             candidate += 1
         self.next[kind] = candidate + 1
         return BlockRef(kind, name, candidate, pinned=False, path=path)
+
+    def fixed(self, kind: str, name: str) -> BlockRef:
+        """A block of every project: the longest of their names leaves room for the prefix in a symbol of STEP 7 V5."""
+        return self.block(kind, self.prefixed(name), ("plc",), given=True)
+
+    def prefixed(self, name: str) -> str:
+        """``DriveJobs`` -> ``L2_DriveJobs``, ``typeDriveUnit`` -> ``typeL2_DriveUnit``; a name that has it keeps it."""
+        kind = "type" if name.startswith("type") else ""
+        rest = name.removeprefix(kind)
+        return name if rest.startswith(self.prefix) else f"{kind}{self.prefix}{rest}"
 
 
 def _shortened(name: str) -> str:

@@ -33,8 +33,9 @@ class Rules:
     """What a protocol adds to the rules: checks of its own, and what the shared rules must know.
 
     ``names`` are all names that reach a source or a file, ``texts`` all comments, ``untranslated`` texts without
-    languages, ``taken`` names that blocks must not have: name, what has it, where it stands. ``remarks`` tell what is
-    worth knowing of a plan in which nothing is wrong.
+    languages, ``taken`` names that blocks must not have: name, what has it, where it stands. ``partners`` are what one
+    program alone may talk to: an address, what it is, where it stands. ``remarks`` tell what is worth knowing of a plan
+    in which nothing is wrong.
     """
 
     checks: tuple[Callable[[Any], Iterator[Diagnostic]], ...]
@@ -42,6 +43,7 @@ class Rules:
     texts: Callable[[Any], Iterator[tuple[SpecPath, dict[str, str]]]]
     untranslated: Callable[[Any], Iterator[tuple[SpecPath, str]]]
     taken: Callable[[Any], Iterator[tuple[str, str, Span | None]]]
+    partners: Callable[[Any], Iterator[tuple[str, str, Span]]]
     remarks: tuple[Callable[[Any], Iterator[Diagnostic]], ...] = ()
 
 

@@ -26,7 +26,7 @@ def resolve(loaded: LoadedSpec, report: Report) -> Project:
     where = target(plc.family, plc.toolchain, _cpu(loaded, report))
     first = {"FB": plc.numbers.fb, "DB": plc.numbers.db, "UDT": plc.numbers.udt}
     pinned = [number for protocol in used for number in protocol.pinned(loaded)]
-    numbering = Numbering(where, first, pinned)
+    numbering = Numbering(where, first, pinned, plc.prefix)
     plans = tuple(protocol.plan(loaded, numbering, report) for protocol in used)
     return Project(loaded, plc.name, where, plc.languages, plans)
 

@@ -170,6 +170,9 @@ class Plc(StrictModel):
         ("en-US",), min_length=1, max_length=16, description="comment languages; the first is the main one"
     )
     numbers: Numbers = Field(Numbers(), description="where automatic block numbers start")
+    prefix: Annotated[str, Field(max_length=8, pattern=r"^([A-Za-z][A-Za-z0-9]*_?)?$")] = Field(
+        "", description="in front of every name that plcgen makes, so that two specs can go into one PLC"
+    )
     sources: Literal["one", "per_block"] = Field(
         "one", description="one text source with every block in order, or a file for each block"
     )

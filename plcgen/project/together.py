@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from pathlib import Path
 
-from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Note, Report, Severity
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Note, Report, Severity, Span
 from plcgen.base.diagnostics.counting import quantity
 from plcgen.base.files.text import read_text
 from plcgen.project.composing import compose
@@ -18,7 +19,7 @@ _SHOWN = 3
 
 
 def same_plc(specs: Sequence[Path]) -> dict[Path, tuple[Diagnostic, ...]]:
-    """PG511 by spec: it has names or numbers of blocks that an earlier spec for the same PLC has.
+    """PG511 and PG513 by spec: it has blocks, devices or ports that an earlier spec for the same PLC has.
 
     A PLC is known by its name and family. Specs of which nothing can be planned are left to :func:`open_spec`.
     """
@@ -43,6 +44,7 @@ def _plc(path: Path) -> tuple[str, str] | None:
 def _collisions(specs: Sequence[Path]) -> Iterator[tuple[Path, tuple[Diagnostic, ...]]]:
     names: dict[str, tuple[Project, BlockRef]] = {}
     numbers: dict[tuple[str, int], tuple[Project, BlockRef]] = {}
+    partners: dict[str, tuple[Project, Span]] = {}
     for path in specs:
         project = open_spec(path).project
         if project is None:
@@ -56,8 +58,22 @@ def _collisions(specs: Sequence[Path]) -> Iterator[tuple[Path, tuple[Diagnostic,
             other = numbers.setdefault((block.kind, block.number), (project, block))
             if other[0] is not project:
                 same_number.append((block, *other))
-        if same_name or same_number:
-            yield path, (_told(project, same_name, same_number),)
+        found = [_told(project, same_name, same_number)] if same_name or same_number else []
+        for address, what, place in chain.from_iterable(plan.protocol.rules().partners(plan) for plan in project.plans):
+            owner, theirs = partners.setdefault(address.casefold(), (project, place))
+            if owner is not project:
+                message = f"{owner.loaded.file} is for the same PLC, and its jobs use {what} too"
+                help_ = "make one spec of them: a file with plc of its own that includes both"
+                notes = (Note("the other one", theirs),)
+                found.append(Diagnostic("PG513", message, place, _severity(project, owner), help=help_, notes=notes))
+        if found:
+            yield path, tuple(found)
+
+
+def _severity(project: Project, other: Project) -> Severity:
+    # in folders of their own they may be machines with a project each, whose PLC has the name of all
+    same = Path(other.loaded.file).parent == Path(project.loaded.file).parent
+    return Severity.ERROR if same else Severity.WARNING
 
 
 _Pair = tuple[BlockRef, Project, BlockRef]
@@ -74,7 +90,8 @@ def _told(project: Project, names: Sequence[_Pair], numbers: Sequence[_Pair]) ->
     more = ", .." if len(pairs) > _SHOWN else ""
     what = "names" if names else "numbers"
     help_ = (
-        "make one spec of them: a file with plc of its own that includes both; or give another PLC another plc.name"
+        "give one of them a plc.prefix; or make one spec of them: a file with plc of its own that includes both; "
+        "or give another PLC another plc.name"
         if names
         else "let plc.numbers of one of them start higher; or give another PLC another plc.name"
     )
@@ -83,8 +100,7 @@ def _told(project: Project, names: Sequence[_Pair], numbers: Sequence[_Pair]) ->
         f'{other.loaded.file} is for the same PLC "{project.name}" and has the {what} of '
         f"{quantity(len(pairs), 'block')} of this spec: {', '.join(shown)}{more}",
         span(project, block),
-        # in folders of their own they may be machines with a project each, whose PLC has the name of all
-        Severity.ERROR if Path(other.loaded.file).parent == Path(project.loaded.file).parent else Severity.WARNING,
+        _severity(project, other),
         help=help_,
         notes=(Note(f'the other one: "{theirs.name}"', span(other, theirs)),),
     )

@@ -198,7 +198,7 @@ class _Tables:
         for job in self.project.jobs:
             for signal, address in job.trigger.items():
                 known = seen.get(address.text(percent=False)) if isinstance(address, Address) else None
-                if known is not None and known.name.lower() != f"{job.member}{signal}".lower():
+                if known is not None and known.name.lower() != f"{self.project.prefix}{job.member}{signal}".lower():
                     yield f"{known.address} is {signal} of {job.key}, and called {known.name}"
 
     def symbols(self) -> Iterator[str]:

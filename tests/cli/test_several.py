@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import re
 import shutil
 from xml.etree import ElementTree as ET
 
@@ -326,6 +327,42 @@ def test_numbers_of_two_protocols(plcgen, tmp_path):
     text = (tmp_path / "press.yaml").read_text("utf-8")
     (tmp_path / "press.yaml").write_text(text.replace("tia-v19}", "tia-v19, numbers: {fb: 600, db: 600}}"), "utf-8")
     assert "PG511" not in plcgen("check", ".").out
+
+
+def test_two_specs_with_a_prefix(plcgen, tmp_path):
+    """What the message says helps: names of blocks, tables and tags differ, and the second spec verifies."""
+    _two(tmp_path)
+    text = (tmp_path / "pump.yaml").read_text("utf-8").replace("P1120: ", "P1120: }, trigger: {execute: M50.0")
+    plc = "tia-v19, prefix: L2_, numbers: {fb: 600, db: 600}}"
+    (tmp_path / "pump.yaml").write_text(text.replace("tia-v19}", plc), "utf-8")
+    assert plcgen("check", ".").code == 0
+    assert plcgen("generate", ".").code == 0
+    shared = {path.name for path in (tmp_path / "press_generated" / "xml").glob("*.xml")} & {
+        path.name for path in (tmp_path / "pump_generated" / "xml").glob("*.xml")
+    }
+    assert shared == {"Main.xml"}
+    assert (
+        (tmp_path / "pump_generated" / "tags.csv").read_text("utf-8-sig").splitlines()[1].startswith("L2_rampsExecute;")
+    )
+    declared = re.compile(r'^(?:TYPE|DATA_BLOCK|FUNCTION_BLOCK) "([^"]+)"', re.MULTILINE)
+    names = declared.findall((tmp_path / "pump_generated" / "PLC_1.scl").read_text("utf-8-sig"))
+    assert len(names) > 10
+    assert [name for name in names if not name.removeprefix("type").startswith("L2_")] == []
+    assert plcgen("verify", "pump.yaml", "--faults", "none").code == 0
+
+
+def test_two_specs_with_one_device(plcgen, tmp_path):
+    """A prefix does not make two channels on one parameter server right."""
+    _two(tmp_path, id=270)
+    text = (tmp_path / "pump.yaml").read_text("utf-8")
+    (tmp_path / "pump.yaml").write_text(
+        text.replace("tia-v19}", "tia-v19, prefix: L2_, numbers: {fb: 600, db: 600}}"), "utf-8"
+    )
+    result = plcgen("check", ".", "--format", "json")
+    assert result.code == 1
+    (found,) = (one for one in json.loads(result.out)["diagnostics"] if one["severity"] == "error")
+    assert (found["code"], found["file"], found["line"]) == ("PG513", "pump.yaml", 2)
+    assert "the device at 270" in found["message"]
 
 
 def test_two_specs_as_one(plcgen, tmp_path):

@@ -37,6 +37,7 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     "comment": ("none", "text", "languages", "marks"),
     "key": ("short", "usual", "long", "digits"),
     "sources": ("one", "per_block"),
+    "prefix": ("none", "short", "long"),
     "retain": ("yes", "no"),
     "cycle": ("no", "100ms", "1s"),
     "owned": ("none", "Main", "notes.md"),
@@ -44,8 +45,8 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
 BASE: Row = {
     "toolchain": "tia-v19", "family": "s7-1500", "device": "sinamics-s120", "kind": "read", "type": "FloatingPoint",
     "languages": "en", "names": "style", "trigger": "member", "buffers": "instance", "drives": "one", "index": "none",
-    "times": "default", "comment": "none", "key": "usual", "sources": "one", "retain": "yes", "owned": "none",
-    "cycle": "no",
+    "times": "default", "comment": "none", "key": "usual", "sources": "one", "prefix": "none", "retain": "yes",
+    "owned": "none", "cycle": "no",
 }  # fmt: skip
 TRIPLES = (("family", "kind", "languages"),)
 LANGUAGES = {
@@ -177,6 +178,7 @@ def spec(row: Row) -> dict[str, Any]:
         "languages": LANGUAGES[row["languages"]],
     }
     plc |= {"sources": "per_block"} if row["sources"] != "one" else {}
+    plc |= {"none": {}, "short": {"prefix": "P"}, "long": {"prefix": "Press04_"}}[row["prefix"]]
     plc |= {"names": "faq"} if row["names"] == "faq" else {}
     plc |= {"user_owned": [row["owned"]]} if row["owned"] != "none" else {}
     return {"plc": plc, **sections, "jobs": jobs}

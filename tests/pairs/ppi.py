@@ -25,6 +25,7 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     "baud": ("9600", "19200"),
     "beside": ("none", "read", "split", "alike"),
     "sources": ("one", "per_block"),
+    "prefix": ("none", "short", "long"),
     "buffers": ("automatic", "numbers"),
     "owned": ("none", "Main"),
 }  # fmt: skip
@@ -33,6 +34,7 @@ BASE: Row = {
     "toolchain": "tia-v19", "module": "cm1241", "kind": "read", "items": "one", "stations": "one", "cycle": "none",
     "trigger": "member", "languages": "en", "comment": "none", "key": "usual", "baud": "9600", "beside": "none",
     "sources": "one",
+    "prefix": "none",
     "buffers": "automatic", "owned": "none",
 }  # fmt: skip
 ITEMS: dict[str, dict[str, Any]] = {
@@ -84,5 +86,6 @@ def spec(row: Row) -> dict[str, Any]:
     line = {"module": module, **port, "baud": int(row["baud"]), "stations": stations, "jobs": jobs}
     plc = {"name": "Pairs", "family": FAMILY[row["module"]], "toolchain": row["toolchain"]}
     plc |= {"sources": "per_block"} if row["sources"] != "one" else {}
+    plc |= {"none": {}, "short": {"prefix": "P"}, "long": {"prefix": "Press04_"}}[row["prefix"]]
     plc |= {"user_owned": [row["owned"]]} if row["owned"] != "none" else {}
     return {"plc": {**plc, "languages": LANGUAGES[row["languages"]]}, "ppi": {"line": line}}

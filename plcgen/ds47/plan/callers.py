@@ -84,7 +84,7 @@ class Callers:
         number = len(self.found) + 1
         suffix = "" if number == 1 else str(number)
         block, instance, control = (
-            self._numbering.block(kind, name, ("plc",), given=True)
+            self._numbering.fixed(kind, name)
             for kind, name in (
                 ("FB", f"DriveCalls{suffix}"),
                 ("DB", f"DriveCalls{suffix}_DB"),

@@ -303,7 +303,7 @@ def _retries(job: JobEntry, timeout: int) -> int:
 def _member(key: str, job: JobEntry, numbering: Numbering) -> str:
     """Name of the instance in the control DB; with flags, their tags (``..Execute``) have to fit the limit too."""
     limit = V5_LIMIT if numbering.where.v5 else TIA_LIMIT
-    return shorten(camel_case(key), limit if job.trigger is None else limit - len("Execute"))
+    return shorten(camel_case(key), limit if job.trigger is None else limit - len(f"{numbering.prefix}Execute"))
 
 
 def _directions(uses: tuple[Use, ...]) -> list[tuple[Use, ...]]:

@@ -32,7 +32,7 @@ def plan_engine(numbering: Numbering) -> Engine:
         "gate": ("FB", "DriveGate"),
         "gate_db": ("DB", "DriveGateData"),
     }
-    made = {key: numbering.block(kind, name, ("plc",), given=True) for key, (kind, name) in names.items()}
+    made = {key: numbering.fixed(kind, name) for key, (kind, name) in names.items()}
     return Engine(**made)
 
 

@@ -44,5 +44,6 @@ RULES = Rules(
     texts=names.texts,
     untranslated=names.untranslated,
     taken=names.taken,
+    partners=names.partners,
     remarks=(inputs.left_open, drives.no_records_of_a_processor),
 )

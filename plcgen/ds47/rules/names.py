@@ -63,6 +63,13 @@ def untranslated(plan: DrivePlan) -> Iterator[tuple[SpecPath, str]]:
 
 def taken(plan: DrivePlan) -> Iterator[tuple[str, str, Span | None]]:
     """Names of the tables."""
-    yield "DriveJobTags", "the tag table", None
+    yield f"{plan.prefix}DriveJobTags", "the tag table", None
     for job in plan.shapes:
         yield f"Watch_{job.block.name}", f'the watch table of job "{job.key}"', None
+
+
+def partners(plan: DrivePlan) -> Iterator[tuple[str, str, Span]]:
+    """Devices by their identifiers: a parameter server takes one request at a time, and one channel sees to that."""
+    for drive in plan.drives:
+        what = drive.id_name or str(drive.id_value)
+        yield what, f"the device at {what}", plan.loaded.span(drive.path)

@@ -35,7 +35,7 @@ def contribution(plan: DrivePlan) -> Contribution:
         ],
         programs=_programs(plan),
         controls={caller.control: part(plan, caller, CONTROL_TITLES) for caller in plan.callers},
-        tag_table="DriveJobTags",
+        tag_table=f"{plan.prefix}DriveJobTags",
         guide=partial(_guide, plan),
         manifest=partial(_manifest, plan),
         system_blocks=("SFB52", "SFB53"),

@@ -49,6 +49,7 @@ def command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
     cyclic = _cyclic(job)
     return Command(
         control=job.caller.control,
+        prefix=plan.prefix,
         member=job.member,
         title=label if job.key == job.shape else f"{label} ({job.drive.key})",
         flags=dict(job.trigger.items()),

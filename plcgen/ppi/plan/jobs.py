@@ -116,11 +116,12 @@ class JobPlanner:
             response = job.response if index == 1 else PpiBuffer()
             telegrams.append(self._telegram(kind, station, self._items(group, values), name, request, response, path))
         limit = V5_LIMIT if self.numbering.where.v5 else TIA_LIMIT
+        limit -= 0 if job.trigger is None else len(f"{self.numbering.prefix}Execute")
         return PpiJob(
             key=key,
             number=len(self.found) + 1,
             stem=camel_case(key),
-            member=shorten(self._member(key), limit if job.trigger is None else limit - len("Execute")),
+            member=shorten(self._member(key), limit),
             kind=kind,
             link=station,
             values=values,

@@ -42,8 +42,8 @@ def pinned(spec: PpiSection) -> Iterator[tuple[str, int]]:
 def plan_masters(protocol: Protocol, loaded: LoadedSpec, numbering: Numbering, report: Report) -> PpiPlan:
     """Plan every master of a spec."""
     spec = loaded.sections(PpiSection)
-    diagnostics_type = numbering.block("UDT", "typePpiDiag", ("plc",), given=True)
-    control_db = numbering.block("DB", "PpiJobs", ("plc",), given=True)
+    diagnostics_type = numbering.fixed("UDT", "typePpiDiag")
+    control_db = numbering.fixed("DB", "PpiJobs")
     planned = tuple(_master(key, master, loaded, numbering, report) for key, master in spec.ppi.items())
     return PpiPlan(
         protocol=protocol,

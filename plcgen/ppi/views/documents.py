@@ -27,7 +27,7 @@ def contribution(plan: PpiPlan) -> Contribution:
         data=(),
         programs=(program(plan, master) for master in plan.masters),
         controls={plan.control_db: "Commands and results of all PPI jobs"},
-        tag_table="PpiJobTags",
+        tag_table=f"{plan.prefix}PpiJobTags",
         guide=partial(_guide, plan),
         manifest=partial(_manifest, plan),
         symbols=_SYMBOLS,

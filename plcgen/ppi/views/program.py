@@ -87,6 +87,7 @@ def command(plan: PpiPlan, job: PpiJob) -> Command:
         outputs.append(CallerValue(errors, tuple((f"[{number}]", "Hex") for number in range(1, len(job.values) + 1))))
     return Command(
         control=plan.control_db,
+        prefix=plan.prefix,
         member=job.member,
         title=job_title(plan, job),
         flags=dict(job.trigger.items()),

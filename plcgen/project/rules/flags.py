@@ -71,7 +71,7 @@ def tags(project: Project) -> Iterator[Diagnostic]:
     for job, signal, flag in named:
         if not isinstance(flag, Address):
             continue
-        name, span = flag_name(job.member, signal), _span(project, (*job.path, "trigger", signal))
+        name, span = flag_name(project.prefix, job.member, signal), _span(project, (*job.path, "trigger", signal))
         what, place = first.setdefault(name.lower(), (f"{signal} of {job.key}", span))
         if place is not span:
             yield Diagnostic(

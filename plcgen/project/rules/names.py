@@ -97,7 +97,7 @@ def _taken(project: Project) -> Iterator[tuple[str, str, Span | None]]:
     for job in project.jobs:
         for signal in dict(job.trigger.flags()):
             span = key_or_value(project, (*job.path, "trigger", signal))
-            yield flag_name(job.member, signal), f'the {signal} flag of job "{job.key}"', span
+            yield flag_name(project.prefix, job.member, signal), f'the {signal} flag of job "{job.key}"', span
 
 
 def lookalikes(project: Project) -> Iterator[Diagnostic]:

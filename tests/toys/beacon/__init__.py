@@ -69,6 +69,7 @@ RULES = Rules(
     texts=lambda plan: (((*job.path, "comment"), job.comment) for job in plan.jobs),
     untranslated=lambda _plan: iter(()),
     taken=lambda _plan: iter([("BeaconTags", "the tag table of the lamps", None)]),
+    partners=lambda _plan: iter(()),
 )
 
 

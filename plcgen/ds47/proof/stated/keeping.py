@@ -18,7 +18,7 @@ from plcgen.oracles.spec.ds47.statement import FromInput, FromRecord, StatedJob,
 from plcgen.s7.cpu.program import Program
 from plcgen.s7.types.names import V5_LIMIT, pascal_case, shorten
 
-INSTANCE, CHANNEL = re.compile(r"DriveCalls\d*_DB"), "channel"
+INSTANCE, CHANNEL = r"DriveCalls\d*_DB", "channel"
 """Instances of the callers, and what the names of channels in them begin with (docs/generated-code.md)."""
 
 
@@ -58,7 +58,8 @@ def jobs_kept(
 def channel_differences(rig: StatedRig) -> Iterator[tuple[str, Difference]]:
     """What a channel is called with: how long a job may wait for its turn; by the key of a job of the unit."""
     rig.cpu.scan()
-    blocks = [entry for entry in rig.program.link.blocks.values() if INSTANCE.fullmatch(entry.name)]
+    instance = rig.statement.prefix + INSTANCE
+    blocks = [entry for entry in rig.program.link.blocks.values() if re.fullmatch(instance, entry.name)]
     paths = {
         child.member.name.upper(): f'"{entry.name}".{child.member.name}'
         for entry in blocks

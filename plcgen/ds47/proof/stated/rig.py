@@ -18,7 +18,7 @@ from plcgen.s7.layout.layout import Layout
 from plcgen.s7.types.blocks import BlockKind
 from plcgen.s7.types.names import TIA_LIMIT, V5_LIMIT, shorten
 
-CONTROL = re.compile(r"DriveJobs\d*")
+CONTROL = r"DriveJobs\d*"
 """Data blocks with a structure for each instance (docs/generated-code.md, "What is in which data block")."""
 SCAN, IDLE_SCAN, QUIET = 10, 50, 120
 """Length of a scan in ms, and the longest one when nothing was heard for so long."""
@@ -163,15 +163,15 @@ class StatedRig:
     def _structures(self) -> Iterator[tuple[str, tuple[str, Layout]]]:
         """Structures of all DriveJobs by their names in upper case: data block and its layout."""
         for entry in self.program.link.blocks.values():
-            if entry.block.kind is BlockKind.DB and CONTROL.fullmatch(entry.name):
+            if entry.block.kind is BlockKind.DB and re.fullmatch(self.statement.prefix + CONTROL, entry.name):
                 layout = layout_of(self.program, entry.name)
                 for child in layout.shape.fields:
                     yield child.member.name.upper(), (entry.name, layout)
 
     def member(self, job: StatedJob) -> str | None:
         """Path of the structure of a job; None if there is none. The tags of its flags are called ``..Execute``."""
-        limits = (V5_LIMIT, *((one - len("Execute") for one in (TIA_LIMIT, V5_LIMIT)) if job.signals else ()))
-        for name in (job.member, *(shorten(job.member, limit) for limit in limits)):
+        around = len(f"{self.statement.prefix}Execute") if job.signals else 0
+        for name in (job.member, *(shorten(job.member, limit - around) for limit in (TIA_LIMIT, V5_LIMIT))):
             found = self.structures.get(name.upper())
             if found is not None:
                 return f'"{found[0]}".{name}'

@@ -59,7 +59,8 @@ def state_jobs(
             jobs += job_on_drives(entry, source, drives, kinds)
         except (NotStatedError, KeyError, TypeError, ValueError) as problem:
             unstated.append(Unstated(entry.key, entry.kind, source.place(("jobs", key)), str(problem)))
-    return Statement(tuple(jobs), tuple(unstated), tuple(drive.stated for drive in drives.values()))
+    prefix = source.data["plc"].get("prefix", "")
+    return Statement(tuple(jobs), tuple(unstated), tuple(drive.stated for drive in drives.values()), prefix)
 
 
 def kind_of(job: Mapping[str, Any], kinds: Mapping[str, StatesKind]) -> str:

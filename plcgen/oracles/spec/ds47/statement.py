@@ -253,8 +253,12 @@ class Unstated:
 
 @dataclass(frozen=True, slots=True)
 class Statement:
-    """All jobs of a spec, one for each drive of a job, in the order of the spec; ``unstated`` have none."""
+    """All jobs of a spec, one for each drive of a job, in the order of the spec; ``unstated`` have none.
+
+    ``prefix`` stands in front of the names of blocks.
+    """
 
     jobs: tuple[StatedJob, ...]
     unstated: tuple[Unstated, ...] = ()
     drives: tuple[StatedDrive, ...] = field(default=())
+    prefix: str = ""

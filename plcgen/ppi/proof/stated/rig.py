@@ -67,6 +67,7 @@ class StatedBed:
     def __init__(self, plan: PpiPlan, program: Program, master: PlannedMaster, ports: Mapping[str, StatedPort]) -> None:
         self.loaded, self.program, self.port = plan.loaded, program, ports[master.key]
         self.jobs = self.port.jobs
+        self.control = plan.loaded.spec.plc.prefix + CONTROL
         self.instance = master.instance.name
         self.line = RecordingLine({address: AnsweringMemory() for address in self.port.stations.values()})
         hardware = PortSettings(baud=self.port.baud) if self.port.classic else UNSET
@@ -77,7 +78,7 @@ class StatedBed:
         structures = self._structures(ports)
         self.members = {job.key: self._members(job, structures.get(job.path)) for job in self.jobs}
         self._started = [
-            f'"{CONTROL}".{structures[job.path].member.name}.execute'
+            f'"{self.control}".{structures[job.path].member.name}.execute'
             for port in ports.values()
             for job in port.jobs
             if job.cycle and "execute" not in job.flags
@@ -96,16 +97,16 @@ class StatedBed:
         """The structure of each job in the control DB, in the order of the spec; a job may have no member at all."""
         wanted = [(port, job) for port in ports.values() for job in port.jobs if job.values or self._signals(job)]
         try:
-            fields = layout_of(self.program, CONTROL).shape.fields if wanted else ()
+            fields = layout_of(self.program, self.control).shape.fields if wanted else ()
         except ScenarioError:
             fields = ()
         names = {job.path: folded(job.key if len(ports) == 1 else port.key + job.key) for port, job in wanted}
         if len(fields) != len(wanted):
-            raise self.wrong(("ppi",), f'structures of "{CONTROL}"', len(wanted), len(fields))
+            raise self.wrong(("ppi",), f'structures of "{self.control}"', len(wanted), len(fields))
         for field, (_, job) in zip(fields, wanted, strict=True):
             name = folded(field.member.name)
             if name != names[job.path] and name in names.values():
-                raise self.wrong(job.path, f'structure of {job.key} in "{CONTROL}"', job.key, field.member.name)
+                raise self.wrong(job.path, f'structure of {job.key} in "{self.control}"', job.key, field.member.name)
         return {job.path: field for field, (_, job) in zip(fields, wanted, strict=True)}
 
     def _signals(self, job: PpiStatement) -> list[str]:
@@ -115,7 +116,7 @@ class StatedBed:
         """Signals of a job, and its inputs or outputs in the order of the spec."""
         if own is None:
             return JobMembers(job.flags, (), "", (0, 0))
-        base, values = f'"{CONTROL}".{own.member.name}', job.inputs or job.outputs
+        base, values = f'"{self.control}".{own.member.name}', job.inputs or job.outputs
         inner = {field.member.name: field for field in own.shape.fields}
         names = [name for name in inner if name not in (*SIGNALS, ERRORS)]
         if len(names) != len(values):

@@ -19,7 +19,7 @@ from plcgen.oracles.spec.ppi.stations import (
     UndescribedError,
     heard_frame_of,
 )
-from plcgen.ppi.proof.stated.rig import CONTROL, StatedBed, folded, numbers_of
+from plcgen.ppi.proof.stated.rig import StatedBed, folded, numbers_of
 from plcgen.ppi.proof.words import DONE, WORDS
 from plcgen.proof.scenario import ScenarioError
 from plcgen.s7.types.blocks import BlockKind
@@ -162,12 +162,12 @@ class _Conduct:
                 raise bed.wrong(value.path, f"{path} shows {said}", _said(wanted), _said(found))
         bed.rest(job)
         if self._others(job) != before:
-            raise bed.wrong(job.path, f'"{CONTROL}"', f"changes of {job.key} only", "another job has changed")
+            raise bed.wrong(job.path, f'"{bed.control}"', f"changes of {job.key} only", "another job has changed")
 
     def _others(self, job: PpiStatement) -> bytes:
         first, end = self.bed.members[job.key].span
         try:
-            data = bytes(self.bed.cpu.db(CONTROL))
+            data = bytes(self.bed.cpu.db(self.bed.control))
         except KeyError:
             return b""
         return data[:first] + data[end:]
