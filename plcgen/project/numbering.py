@@ -30,11 +30,21 @@ class Numbering:
         return Numbering(self.where, dict.fromkeys(self.next, 1), (), self.prefix)
 
     def block(
-        self, kind: str, name: str, path: SpecPath, number: int | None = None, *, given: bool = False
+        self,
+        kind: str,
+        name: str,
+        path: SpecPath,
+        number: int | None = None,
+        *,
+        given: bool = False,
+        derived: bool = False,
     ) -> BlockRef:
-        """A block; ``given`` says that the name comes from the spec, which is neither shortened nor gets the prefix."""
+        """A block; ``given`` says that the name comes from the spec, which is neither shortened nor gets the prefix.
+
+        ``derived`` says that the name is made from that of another block, which has its prefix.
+        """
         if not given:
-            name = self.prefixed(name)
+            name = name if derived else self.prefixed(name)
             name = _shortened(name) if self.where.v5 else name
         if number is not None:
             return BlockRef(kind, name, number, pinned=True, path=path)
@@ -49,10 +59,9 @@ class Numbering:
         return self.block(kind, self.prefixed(name), ("plc",), given=True)
 
     def prefixed(self, name: str) -> str:
-        """``DriveJobs`` -> ``L2_DriveJobs``, ``typeDriveUnit`` -> ``typeL2_DriveUnit``; a name that has it keeps it."""
+        """``DriveJobs`` -> ``L2_DriveJobs``, ``typeDriveUnit`` -> ``typeL2_DriveUnit``."""
         kind = "type" if name.startswith("type") else ""
-        rest = name.removeprefix(kind)
-        return name if rest.startswith(self.prefix) else f"{kind}{self.prefix}{rest}"
+        return f"{kind}{self.prefix}{name.removeprefix(kind)}"
 
 
 def _shortened(name: str) -> str:

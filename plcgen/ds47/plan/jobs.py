@@ -392,7 +392,8 @@ class _Context:
         path = ("jobs", self.key, which)
         name = self.name(given.name or default, index)
         db = self.numbering.block("DB", name, path, given.db, given=bool(given.name)) if self.own else None
-        return db, self.numbering.block("UDT", f"type{first_upper(db.name if db else name)}", path)
+        derived = bool(db or given.name)
+        return db, self.numbering.block("UDT", f"type{first_upper(db.name if db else name)}", path, derived=derived)
 
     def name(self, base: str, index: int) -> str:
         return f"{base}{index}" if self.many else base

@@ -232,7 +232,7 @@ class JobPlanner:
         )
 
     def _type(self, block: BlockRef, path: SpecPath) -> BlockRef:
-        return self.numbering.block("UDT", f"type{first_upper(block.name)}", path)
+        return self.numbering.block("UDT", f"type{first_upper(block.name)}", path, derived=True)
 
     def _block(self, name: str, given: PpiBuffer, path: SpecPath) -> BlockRef:
         return self.numbering.block("DB", given.name or name, path, given.db, given=bool(given.name))

@@ -71,7 +71,10 @@ def _master(key: str, master: PpiMaster, loaded: LoadedSpec, numbering: Numberin
     block = numbering.block("FB", own or f"{name}PpiMaster", (*path, "block"), master.block.number, given=bool(own))
     own = master.instance.name
     number = master.instance.number
-    instance = numbering.block("DB", own or f"{block.name}_DB", (*path, "instance"), number, given=bool(own))
+
+    instance = numbering.block(
+        "DB", own or f"{block.name}_DB", (*path, "instance"), number, given=bool(own), derived=True
+    )
     classic = numbering.where.classic
     extra = None
     if classic:

@@ -79,7 +79,8 @@ def _steps(project: Project, folder: Path, stated: Sequence[Wording]) -> Iterato
     if (folder / "tags.csv").is_file():
         steps.insert(0, "tags")
     version = project.target.xml_version
-    table = next((path.name for path in sorted(folder.glob("xml/*Tags.xml"))), "")
+    made = sorted(folder.glob("xml/*Tags.xml"))
+    table = made[0].name if made else f"{project.prefix}{stated[0].tag_table}.xml"
     for number, step in enumerate([*steps, *(["openness"] if version is not None else [])], 1):
         yield from _said(step, n=number, table=table, version=version, source=source)
 

@@ -65,6 +65,10 @@ class Wording(Protocol):
     def symbols(self) -> Mapping[str, str]:
         """Symbols of blocks that come with a module, with their comments."""
 
+    @property
+    def tag_table(self) -> str:
+        """Name of its tag table, without the prefix of the project."""
+
     def member(self, block: Block, path: Sequence[str], offset: int | None) -> frozenset[str] | None:
         """What the member at a path may say of itself; ``offset`` in bytes, None if there is none."""
 

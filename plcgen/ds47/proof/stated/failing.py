@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from plcgen.ds47.proof.stated.outputs import message_differences
 from plcgen.ds47.proof.stated.restoring import restoring_runs
-from plcgen.ds47.proof.stated.rig import DONE, StatedRun, record_path
+from plcgen.ds47.proof.stated.rig import DONE, StatedRun
 from plcgen.ds47.proof.stated.scene import Scene
 from plcgen.oracles.spec.ds47.boundaries import nearest
 from plcgen.oracles.spec.ds47.course import StatedCourse
@@ -248,7 +248,7 @@ def outside_run(scene: Scene, access: StatedAccess, source: FromRecord, value: N
 
     def prepare(then: Callable[[], None] = run.prepare) -> None:
         then()
-        path = record_path(source.recipe, 1, source.member)
+        path = scene.rig.record_path(source.recipe, 1, source.member)
         scene.rig.cpu[path if source.index is None else f"{path}[{source.index}]"] = value
         if isinstance(course, StatedCourse):
             course.supplied = {**course.supplied, source: value}

@@ -6,7 +6,7 @@ import struct
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from plcgen.ds47.proof.stated.rig import StatedRig, record_path
+from plcgen.ds47.proof.stated.rig import StatedRig
 from plcgen.ds47.proof.stated.supply import BIT_STRINGS, declared, flat, octets_only
 from plcgen.oracles.spec.ds47.course import Difference, StatedCourse, value_bytes
 from plcgen.oracles.spec.ds47.statement import FromRecord, Number, StatedAccess, StatedJob, StatedList
@@ -69,13 +69,13 @@ def record_differences(rig: StatedRig, job: StatedJob, course: StatedCourse, num
     for place, access in enumerate(course.steps[0].accesses):
         data = course.answer(0, place)
         if all(data):
-            yield from _output(rig, record_path(job.recipe, number, access.output), access, data)
+            yield from _output(rig, rig.record_path(job.recipe, number, access.output), access, data)
 
 
 def delivered_records(rig: StatedRig, access: StatedAccess, source: FromRecord) -> Iterator[Difference]:
     """Start values of one member of all records."""
     for number, value in enumerate(source.values, 1):
-        path = record_path(source.recipe, number, source.member)
+        path = rig.record_path(source.recipe, number, source.member)
         yield from start_difference(rig, path, source.index, value, access)
 
 

@@ -168,6 +168,11 @@ class StatedRig:
                 for child in layout.shape.fields:
                     yield child.member.name.upper(), (entry.name, layout)
 
+    def record_path(self, recipe: str, number: int, member: str) -> str:
+        """A member of a record: the data block is named after the recipe."""
+        name = "".join(part[:1].upper() + part[1:] for part in re.split(r"[_\W]+", recipe) if part)
+        return f'"{self.statement.prefix}Recipe{name}".records[{number}].{member}'
+
     def member(self, job: StatedJob) -> str | None:
         """Path of the structure of a job; None if there is none. The tags of its flags are called ``..Execute``."""
         around = len(f"{self.statement.prefix}Execute") if job.signals else 0
@@ -308,9 +313,3 @@ def identifier_of(drive: StatedDrive, constants: Mapping[str, int]) -> int:
     """What stands in the ID: the number, or that of the system constant; bit 15 for an address of outputs."""
     number = drive.identifier if isinstance(drive.identifier, int) else constants[drive.identifier]
     return number | OUTPUTS_ONLY if drive.output else number
-
-
-def record_path(recipe: str, number: int, member: str) -> str:
-    """A member of a record: the data block is named after the recipe."""
-    name = "".join(part[:1].upper() + part[1:] for part in re.split(r"[_\W]+", recipe) if part)
-    return f'"Recipe{name}".records[{number}].{member}'

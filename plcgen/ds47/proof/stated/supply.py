@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from plcgen.ds47.proof.stated.rig import StatedRig, record_path
+from plcgen.ds47.proof.stated.rig import StatedRig
 from plcgen.oracles.spec.ds47.course import Difference
 from plcgen.oracles.spec.ds47.statement import FromClock, FromInput, FromRecord, Number, Source, StatedAccess, StatedJob
 from plcgen.oracles.spec.ds47.types import is_float, is_signed, packed, size_of, unpacked
@@ -142,7 +142,7 @@ class Supply:
             if isinstance(source, FromInput):
                 self.put(f"{self.rig.member(self.job)}.{source.name}", source.index, value, access)
             elif isinstance(source, FromRecord):
-                self.put(record_path(source.recipe, self.record, source.member), source.index, value, access)
+                self.put(self.rig.record_path(source.recipe, self.record, source.member), source.index, value, access)
         if self.job.recipe:
             self.rig.cpu[f"{self.rig.member(self.job)}.recordNumber"] = self.record
         clock = {source.part: value for source, value in self.values.items() if isinstance(source, FromClock)}

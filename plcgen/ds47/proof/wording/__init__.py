@@ -52,7 +52,7 @@ INTEGERS = frozenset({"SINT", "USINT", "INT", "UINT", "DINT", "UDINT", "LINT", "
 class DriveWording:
     """All documents of one plan of drive jobs."""
 
-    family, jobs_called = FAMILY, "drive jobs"
+    family, tag_table, jobs_called = FAMILY, "DriveJobTags", "drive jobs"
     symbols: Mapping[str, str] = MappingProxyType({})
     system_blocks = ("SFB52", "SFB53")
     note = "the call form of WRREC and RDREC is inferred; no genuine export was available to compare with"

@@ -34,7 +34,7 @@ _NOTHING: frozenset[str] = frozenset({""})
 class PpiWording:
     """All documents of one plan of PPI masters."""
 
-    family, jobs_called = "PPI", "jobs"
+    family, tag_table, jobs_called = "PPI", "PpiJobTags", "jobs"
     system_blocks: Sequence[str] = ()
     symbols: Mapping[str, str] = MappingProxyType({"P_RCV_RK": "CP 341: receive", "P_SND_RK": "CP 341: send"})
     note = "the call form of the blocks for serial modules is inferred; no genuine export was available to compare with"
