@@ -107,7 +107,6 @@ class Command:
     """
 
     control: BlockRef
-    prefix: str
     member: str
     title: str
     flags: Mapping[str, Flag]
@@ -115,6 +114,7 @@ class Command:
     inputs: Sequence[CallerValue]
     outputs: Sequence[CallerValue]
     pin: Callable[[str], str] = _same
+    prefix: str = ""
 
 
 @dataclass(frozen=True, slots=True)
