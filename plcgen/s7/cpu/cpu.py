@@ -11,12 +11,13 @@ from functools import partial
 from types import FrameType, TracebackType
 from typing import Any, Literal
 
-from plcgen.base.diagnostics import DiagnosticError
+from plcgen.base.diagnostics import DiagnosticError, PlcgenError
 from plcgen.s7.cpu import arithmetic
 from plcgen.s7.cpu.decisions import Table
 from plcgen.s7.cpu.kinds import Kind, element_at, kind_at, typed
 from plcgen.s7.cpu.linkage import Compiled, Probe, ProgramBlock
 from plcgen.s7.cpu.memory import Memory, codec_functions
+from plcgen.s7.cpu.outside import call_function, stand_in
 from plcgen.s7.cpu.preemption import Passage, Plan, Preemption
 from plcgen.s7.cpu.program import Program
 from plcgen.s7.cpu.retention import restart_block
@@ -25,7 +26,7 @@ from plcgen.s7.cpu.system import moments
 from plcgen.s7.cpu.system.bus import Periphery
 from plcgen.s7.cpu.system.clock import SystemClock
 from plcgen.s7.cpu.system.interfaces import TIMERS, SystemFb
-from plcgen.s7.cpu.system.library import ROWS
+from plcgen.s7.cpu.system.library import ROWS, Hooks
 from plcgen.s7.cpu.system.moves import AccessFaultError, MemoryMoves
 from plcgen.s7.cpu.system.point_to_point import PORT_BLOCKS, PortBlock
 from plcgen.s7.cpu.system.record import PLACES, RecordBlock, RecordJobs, RecordPlaces
@@ -40,6 +41,10 @@ from plcgen.s7.types.families import Family
 AREA_SIZE = 65536
 LOOP_LIMIT = 1_000_000
 MAX_MISUSES = 1000
+
+
+class StoppedError(PlcgenError):
+    """STP was executed: nothing runs until a restart."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +86,7 @@ class Cpu:
         self.misuses: list[Misuse] = []
         self.scans = 0
         self.faulted = False
+        self.stopped = False
         self.time = SystemClock()
         self._clock = self.time.cell
         self.cells = Cells(self._clock)
@@ -132,7 +138,7 @@ class Cpu:
         names |= codec_functions() | arithmetic.functions() | self._moves.functions()
         names |= {"moment": moments.convert, "ns": moments.to_ns, "add_ns": moments.add, "sub_ns": moments.subtract}
         names |= {"typed": typed, "element_at": element_at, "kind_at": kind_at, "K": self._kinds}
-        cpu_parts = {"cells": self.cells, "time": self.time}
+        cpu_parts = {"cells": self.cells, "time": self.time, "hooks": Hooks(self._type_of, self._stop)}
         for key, row in ROWS.items():
             names[f"L_{key}"] = partial(row.function, cpu_parts[row.of]) if row.of else row.function
         names |= self.areas
@@ -166,6 +172,10 @@ class Cpu:
             if compiled.code is not None:
                 exec(compiled.code, self._names)  # noqa: S102 - code of our own compiler
                 self._compiled[compiled.function] = compiled
+            answer = self.program.answers.get(compiled.name.upper())
+            if answer is not None:
+                entry = self.program.link.blocks[compiled.name.upper()]
+                self._names[compiled.function] = stand_in(entry, self.program.link, answer)
 
     def _runner(self, system: SystemFb) -> Callable[..., None]:
         types: dict[str, Block] = {}
@@ -210,15 +220,22 @@ class Cpu:
                 if self._run(block, arguments):
                     break
 
-    def call(self, name: str, milliseconds: int = 0, **inputs: Any) -> None:
-        """Call one instance data block, OB or FC without parameters, as one scan; inputs are set before."""
+    def call(self, name: str, /, milliseconds: int = 0, **inputs: Any) -> dict[str, Any]:
+        """Call one instance data block, OB or FC as one scan; inputs are set before.
+
+        Of an FC, its outputs, in-outs and its value are returned by name. Raises ValueError for an input that it does
+        not have.
+        """
         block, arguments = self._callable(name)
         if not self._started:
             self.restart("cold")
         self._next(milliseconds)
+        if block.block.kind is BlockKind.FC:
+            return call_function(block, self.program.link, lambda found: self._returned(block, tuple(found)), inputs)
         for member, value in inputs.items():
             self[f'"{name}".{member}'] = value
         self._run(block, arguments)
+        return {}
 
     def run(self, name: str, milliseconds: int = 0, interrupt: Plan | None = None) -> Passage:
         """Run an OB, or what ``call`` takes, as one scan, and let other blocks interrupt it by a plan.
@@ -274,17 +291,26 @@ class Cpu:
 
     def _run(self, entry: ProgramBlock, arguments: tuple[Any, ...], form: str = "b") -> bool:
         """Run one block; an access fault ends it, is kept as a misuse, and returned."""
+        self._returned(entry, arguments, form)
+        return self.faulted
+
+    def _returned(self, entry: ProgramBlock, arguments: tuple[Any, ...], form: str = "b") -> Any:
+        """Run one block for what it returns; None behind a fault."""
         self.faulted = False
+        if self.stopped:
+            return None
         function = self._names[f"{form}{entry.index}"]
         try:
-            function(*arguments)
+            return function(*arguments)
+        except StoppedError:
+            pass
         except AccessFaultError as fault:
             self._keep(fault.code, str(fault), fault.__traceback__)
         except (IndexError, struct.error) as fault:
             self._keep("PG834", "the access is beyond the end of its data block", fault.__traceback__)
         except RecursionError as fault:
             self._keep("PG826", "the calls are nested too deeply", fault.__traceback__)
-        return self.faulted
+        return None
 
     def restart(self, kind: Literal["cold", "warm"] = "warm", *, keep_ticks: bool = False) -> None:
         """Start again: record jobs are dropped, TIME_TCK begins at 0, the start-up OB runs once.
@@ -295,6 +321,7 @@ class Cpu:
         """
         self.time.restart(cold=kind == "cold", keep_ticks=keep_ticks or not self._started)
         self._started = True
+        self.stopped = False
         for entry in self.program.link.blocks.values():
             memory = self.blocks.get(entry.index)
             if memory is not None and kind == "cold":
@@ -407,6 +434,16 @@ class Cpu:
         misuse = Misuse(code, message, *place)
         if len(self.misuses) < MAX_MISUSES and misuse not in self.misuses:
             self.misuses.append(misuse)
+
+    def _type_of(self, number: int) -> str:
+        """Name of the type that a data block is an instance of, in upper case; empty for any other (TypeOfDB)."""
+        memory = self._numbers.get(number)
+        entry = self.program.link.find(memory.name) if memory is not None else None
+        return self.program.link.instance_type(entry) if entry is not None else ""
+
+    def _stop(self) -> None:
+        self.stopped = True
+        raise StoppedError
 
     def _late(self) -> None:
         raise AccessFaultError("PG835", f"one scan took more than {self._passes[1]} passes of loops and calls")

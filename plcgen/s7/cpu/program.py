@@ -12,6 +12,7 @@ from pathlib import Path
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity, Span, has_errors
 from plcgen.s7.cpu.compiler.block import compile_block
 from plcgen.s7.cpu.linkage import ENO, Compiled, Linkage, Probe, ProgramBlock
+from plcgen.s7.cpu.outside import Answer, Stub
 from plcgen.s7.cpu.start_values import unfit_constants, with_constants
 from plcgen.s7.cpu.surroundings import Surroundings
 from plcgen.s7.cpu.system.interfaces import SystemFb, system_fbs
@@ -49,6 +50,8 @@ class Program:
     compiled: list[Compiled] = field(default_factory=list)
     images: dict[int, bytes] = field(default_factory=dict)
     interruptible: list[Compiled] = field(default_factory=list)
+    answers: dict[str, Answer] = field(default_factory=dict)
+    """What Python does instead of blocks without code, by their upper-case names."""
     lean: bool = False
     """Whether no trees are kept, which take more memory than all else: a block that is compiled is parsed again."""
     circles: bool = False
@@ -103,6 +106,7 @@ class Program:
         encoding: str | None = None,
         beside: Surroundings | None = None,
         lean: bool = False,
+        stubs: Iterable[Stub] = (),
     ) -> Program:
         """Read, check and compile sources in any order.
 
@@ -112,7 +116,8 @@ class Program:
         holds garbage at the start of a call, of two kinds in turn. ``iec_check`` says which implicit conversions are
         right, ``stated`` the same of single blocks, and those of ``foreign`` sources, which plcgen did not generate,
         have none unless it is stated; ``encoding`` names the code page of ANSI files. What
-        ``beside`` knows counts where nothing else says it; ``lean`` is for large programs.
+        ``beside`` knows counts where nothing else says it; ``lean`` is for large programs. ``stubs`` are blocks that
+        Python stands in for.
         """
         program = cls(Linkage(dialect, coverage=coverage, litter=litter, iec_check=iec_check), lean=lean)
         beside = beside or Surroundings()
@@ -123,6 +128,10 @@ class Program:
             program.read(source, encoding)
             if source in foreign:
                 program.link.foreign.update(islice(program.link.blocks, before, None))
+        for stub in stubs:
+            before = len(program.link.blocks)
+            program.read(("stub.scl", stub.interface))
+            program.answers |= dict.fromkeys(islice(program.link.blocks, before, None), stub.answer)
         for file, text in beside.interfaces:
             program.read_interface(file, text)
         program.link.add_tags(beside.tags)

@@ -43,7 +43,7 @@ class Symbols:
         """Store a value; lists and dicts go to the elements and members. KeyError, ValueError if it does not fit."""
         memory, member, offset, type_ = self.find(path)
         if member is not None:
-            self._write_tree(memory, member[0], member[1], value)
+            write_tree(memory, member[0], member[1], value)
         elif type_ is None:
             raise UnfitValueError(f"{path} is a whole data block: name a member")
         elif type_.name == "BOOL":
@@ -52,20 +52,6 @@ class Symbols:
         else:
             data = pack_value(value, type_)
             memory[offset // 8 : offset // 8 + len(data)] = data
-
-    def _write_tree(self, memory: Memory, layout: Layout, path: str, value: Any) -> None:
-        if isinstance(value, dict):
-            for name, inner in value.items():
-                self._write_tree(memory, layout, f"{path}.{name}", inner)
-            return
-        entry = locate(layout, path)
-        if isinstance(value, list | tuple) and entry.shape.element is not None:
-            bounds = entry.shape.type.bounds if hasattr(entry.shape.type, "bounds") else ()
-            first = bounds[0][0] if bounds else 0
-            for position, inner in enumerate(value):
-                self._write_tree(memory, layout, f"{path}[{first + position}]", inner)
-            return
-        write_member(memory, layout, path, value)
 
     def find(self, path: str) -> _Place:
         """Memory and place of a path; looked up once."""
@@ -110,6 +96,22 @@ class Symbols:
         if entry is None or entry.index not in self.blocks:
             raise UnknownPathError(f"{path}: there is no DB{address.db}")
         return self.blocks[entry.index], address.offset
+
+
+def write_tree(memory: Memory, layout: Layout, path: str, value: Any) -> None:
+    """Store a value; lists and dicts go to the elements and members. KeyError, ValueError if it does not fit."""
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            write_tree(memory, layout, f"{path}.{name}", inner)
+        return
+    entry = locate(layout, path)
+    if isinstance(value, list | tuple) and entry.shape.element is not None:
+        bounds = entry.shape.type.bounds if hasattr(entry.shape.type, "bounds") else ()
+        first = bounds[0][0] if bounds else 0
+        for position, inner in enumerate(value):
+            write_tree(memory, layout, f"{path}[{first + position}]", inner)
+        return
+    write_member(memory, layout, path, value)
 
 
 def _join(steps: list[str | tuple[int, ...]]) -> str:

@@ -6,12 +6,14 @@ See ``docs/soft-cpu.md``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 from plcgen.base.diagnostics import DiagnosticError, PlcgenError
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.folder import load_folder
+from plcgen.s7.cpu.outside import Stub, read_stubs
 from plcgen.s7.cpu.program import Program, Source
 from plcgen.s7.cpu.system.bus import Periphery, RecordServer
 from plcgen.s7.cpu.type_rules import IecCheck
@@ -39,9 +41,9 @@ class Bench:
         for name, value in values.items():
             self.cpu[name] = value
 
-    def call(self, name: str, milliseconds: int = 10, **inputs: object) -> None:
-        """One scan in which only this instance is called, with inputs set before."""
-        self.cpu.call(name, milliseconds, **inputs)
+    def call(self, name: str, /, milliseconds: int = 10, **inputs: object) -> dict[str, Any]:
+        """One scan in which only this instance or FC is called, with inputs set before: outputs of an FC by name."""
+        return self.cpu.call(name, milliseconds, **inputs)
 
     def scan(self, count: int = 1, milliseconds: int = 10) -> None:
         """Run scans of the cyclic OB."""
@@ -69,11 +71,13 @@ def load_scl(
     family: Family | None = None,
     coverage: bool = False,
     iec_check: str = "as-stated",
+    stubs: Iterable[Stub] | Path = (),
 ) -> Bench:
     """Load files or texts and switch the CPU on.
 
     A single folder is loaded as ``plcgen generate`` writes it. ``iec_check`` is on, off or as-stated: on in such a
-    folder, for S7-1200/1500, and off in other sources. Raises DiagnosticError if the sources are wrong.
+    folder, for S7-1200/1500, and off in other sources. ``stubs`` are blocks without code that Python stands in for, or
+    a YAML file with the outputs of each. Raises DiagnosticError if the sources are wrong.
     """
     target = BY_NAME.get(dialect) or Dialect(dialect)
     check = IecCheck(iec_check)
@@ -82,8 +86,9 @@ def load_scl(
         program = load_folder(only, target, coverage=coverage, iec_check=check)
     else:
         program = Program.load(
-            sources, target, tags=tags, numbers=numbers, coverage=coverage, iec_check=check, foreign=sources
-        )
+            sources, target, tags=tags, numbers=numbers, coverage=coverage, iec_check=check, foreign=sources,
+            stubs=read_stubs(stubs) if isinstance(stubs, Path) else stubs,
+        )  # fmt: skip
     if not program.ok:
         raise DiagnosticError(program.diagnostics)
     return Bench(program, drives, family)

@@ -189,3 +189,30 @@ def test_enable_output_of_an_instruction():
     )
     bench.call("D")
     assert (bench.cpu["D.x"], bench.cpu["D.e"], bench.cpu["D.y"], bench.cpu["D.f"]) == (0.5, True, 5, False)
+
+
+def test_stop():
+    """STP ends the OB and every scan behind it, without a misuse, until a restart."""
+    bench = bench_of("n : Int;", "#n := #n + 1; IF #n = 2 THEN STP(); END_IF; #n := #n + 1;")
+    for _ in range(3):
+        bench.call("D")
+    assert (bench.cpu["D.n"], bench.cpu.misuses) == (6, [])
+    bench.cpu["D.n"] = 1
+    bench.call("D")
+    assert bench.cpu.stopped
+    bench.call("D")
+    assert bench.cpu["D.n"] == 2
+    bench.cpu.restart("cold")
+    bench.call("D")
+    assert bench.cpu["D.n"] == 2
+
+
+def test_type_of_a_data_block():
+    """TypeOfDB tells the FB of an instance; a data block that is none, or that does not exist, has no type."""
+    also = 'FUNCTION_BLOCK "Axis"\nVAR\nx : Int;\nEND_VAR\nBEGIN\nEND_FUNCTION_BLOCK\n'
+    also += 'DATA_BLOCK "A"\n"Axis"\nBEGIN\nEND_DATA_BLOCK\n'
+    also += 'DATA_BLOCK "G"\nSTRUCT\ny : Int;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
+    ask = 'IF TypeOfDB(#d) = "Axis" THEN #n := #n * 10 + 1; ELSE #n := #n * 10; END_IF;'
+    bench = bench_of("d : DB_ANY; n : Int;", f'#d := "A"; {ask} #d := "G"; {ask} #d := 0; {ask}', also=also)
+    bench.call("D")
+    assert bench.cpu["D.n"] == 100

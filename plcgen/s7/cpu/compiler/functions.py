@@ -56,6 +56,7 @@ _TYPES = {
 What they take is converted to that type before; the type of a rounding is that of its result (help of the TIA Portal,
 "Parameters" of each of them, and "Shift left" of GRAPH).
 """
+_INPUT = re.compile("IN[0-9]+|EN|ENO")
 _NAME = re.compile(r"([A-Z]+)_([A-Z_]+)")
 _TEXT_FUNCTIONS = {
     "LEN": ("IN",), "CONCAT": ("IN1", "IN2"), "LEFT": ("IN", "L"), "RIGHT": ("IN", "L"), "MID": ("IN", "L", "P"),
@@ -237,6 +238,9 @@ class Functions:
 
     def extreme(self, node: ast.Call, name: str, type_: str) -> Val:
         """MIN and MAX of two and more."""
+        for argument in node.arguments:
+            if argument.name and not _INPUT.fullmatch(argument.name.upper()):
+                self.context.error("PG822", f"there is no parameter {argument.name}", argument, "they are IN1, IN2, ..")
         values = self.values([expression for _, expression in self.several(node)])
         return self.common_call(node, name.lower(), values, type_)
 

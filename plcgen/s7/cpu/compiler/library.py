@@ -23,7 +23,7 @@ _CONSTANTS = {
     "text": {TEXT_CONST: "STRING", "CHAR": "STRING", "WCHAR": "WSTRING"},
 }  # fmt: skip
 """Types of constants without one in each group."""
-_PLACES = frozenset({"ref", "bit"})
+_PLACES = frozenset({"ref", "bit", "tail"})
 _SPECIAL = _PLACES | {"timer", "counter", "s5"}
 """Inputs that are no values of a type: references to variables, bits in memory, numbers of cells, S5 times."""
 _OUTPUT = re.compile("OUT[0-9]+")
@@ -161,8 +161,8 @@ class Library:
         """Code of an input that is no value of a type."""
         if type_ == "ref":
             return self.references.typed(node)
-        if type_ == "bit":
-            return self.references.bit(node)
+        if type_ in {"bit", "tail"}:
+            return self.references.bit(node) if type_ == "bit" else self.references.tail(node)
         if type_ != "s5":
             text = self.context.text(node)
             found = _CELL.fullmatch(text)

@@ -98,6 +98,22 @@ class References:
         bits = f"{place.off % 8}+{place.dynbit}" if place.dynbit else str(place.off % 8)
         return f"({place.mem},({self.access.address(place)})*8+{bits})"
 
+    def tail(self, node: ast.Expression) -> str:
+        """Memory, begin of an array, an element of it and its end, and the bits of an element; all counted in bits.
+
+        Of a structure with nothing but BOOL it is all of it.
+        """
+        array = self.places.place(node.base if isinstance(node, ast.Index) else node)
+        element = self.places.place(node)
+        if array is None or element is None or array.local or is_open(array.shape):
+            self.context.error("PG827", "the soft CPU needs an element of an array here", node)
+            return "(None,0,0,0,1)"
+        begin = f"({self.access.address(array)})*8"
+        bit = f"{element.off % 8}+{element.dynbit}" if element.dynbit else str(element.off % 8)
+        width = element.shape.bits if isinstance(node, ast.Index) else 1
+        at = f"({self.access.address(element)})*8+{bit}"
+        return f"({element.mem},{begin},{at},{begin}+{array.shape.bits},{width})"
+
     def borrow(self, place: MemoryPlace, node: ast.Expression, *, typed: bool) -> str:
         """A variable that has no bytes of its own in memory for the call; it takes over what is there in the end."""
         copy = self.value_reference(self.access.load(place), node, typed=typed)

@@ -232,6 +232,43 @@ def add_time(enabled: object, reset: object, preset: int, passed: int, elapsed: 
     return None, elapsed >= preset, elapsed
 
 
+Tail = tuple[Memory | None, int, int, int, int]
+"""Memory, begin of an array, an element of it, its end, and the width of an element, in bits."""
+
+
+def scatter_block(source: Tail, count: int, target: Tail) -> tuple[bool, None]:
+    """SCATTER_BLK: as many bit strings as there are and as find room; a target that begins in one gets nothing."""
+    return _join_bits(source, target, count, source[4], reading=True)
+
+
+def gather_block(source: Tail, count: int, target: Tail) -> tuple[bool, None]:
+    """GATHER_BLK."""
+    return _join_bits(target, source, count, target[4], reading=False)
+
+
+def _join_bits(words: Tail, bits: Tail, count: int, width: int, *, reading: bool) -> tuple[bool, None]:
+    (memory, _, at, end, _), (other, begin, first, last, _) = words, bits
+    if memory is None or other is None or (first - begin) % width:
+        return False, None
+    done = min(count, (end - at) // width, (last - first) // width)
+    size = width // 8
+    for number in range(done):
+        place, single = at // 8 + number * size, first // 8 + number * size
+        if reading:
+            other[single : single + size] = memory[place : place + size][::-1]
+        else:
+            memory[place : place + size] = other[single : single + size][::-1]
+    return done == count, None
+
+
+@dataclass(frozen=True, slots=True)
+class Hooks:
+    """What functions ask of the CPU: the type of the instance with a number, and that it stops."""
+
+    type_of: Callable[[int], str]
+    stop: Callable[[], None]
+
+
 def _wider_real(types: tuple[str, ...]) -> str:
     return "LREAL" if "LREAL" in types else "REAL"
 
@@ -315,6 +352,12 @@ ROWS: Mapping[str, Row] = MappingProxyType(
         ),
         "SCATTER": Row("IN bits;OUT ref", "", kinds.scatter, checked=True, typed=True, targets=_MODERN),
         "GATHER": Row("IN ref", "", kinds.gather, "OUT bits", checked=True, typed=True, targets=_MODERN),
+        "SCATTER_BLK": Row("IN tail;COUNT_IN UDINT;OUT tail", "", scatter_block, checked=True, targets=_MODERN),
+        "GATHER_BLK": Row("IN tail;COUNT_OUT UDINT;OUT tail", "", gather_block, checked=True, targets=_MODERN),
+        "TYPEOFDB": Row(
+            "DB DB_ANY", TYPE_NAME, lambda hooks, number: hooks.type_of(number), of="hooks", targets=_MODERN
+        ),
+        "STP": Row("", "", lambda hooks: hooks.stop(), of="hooks"),
         "STRG_TO_CHARS": Row(
             "STRG text;PCHARS DINT=0;CHARS ref", "", kinds.to_characters, "CNT UINT", checked=True, targets=_MODERN
         ),
