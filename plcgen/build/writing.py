@@ -105,7 +105,7 @@ def compare_folder(
             if old is not None and (same_text(old, file.data) or is_owned(file.path, owned)):
                 continue
             found.append(_stale(path, "file is missing" if old is None else "file is out of date"))
-            diff += _diff(file, old)
+            diff += file_diff(file, old)
         obsolete, _ = _obsolete(wanted, folder, _known(folder))
         found += [_stale(folder / name, "file is no longer generated") for name in obsolete]
     except OSError as problem:
@@ -225,7 +225,7 @@ def _stale(path: Path, message: str) -> Diagnostic:
     return Diagnostic("PG504", message, Span(str(path)), Severity.ERROR, help=help_)
 
 
-def _diff(file: RenderedFile, old: bytes | None) -> list[str]:
+def file_diff(file: RenderedFile, old: bytes | None) -> list[str]:
     """Unified diff of one file; of a very long one and of the manifest only the header."""
     if file.path == MANIFEST or len(file.data) + len(old or b"") > MAX_DIFF:
         return [f"--- a/{file.path}\n+++ b/{file.path}\n(differs)\n"]

@@ -118,16 +118,26 @@ def ppi_starter(file: str, family: str, toolchain: str) -> str:
 
 def _of_kinds(kinds: Sequence[str], device: Device) -> str:
     """Jobs of some kinds, and the recipe of one that has any."""
+    lines = []
+    for kind in kinds:
+        lines += [f"  {kind}:", "    drive: drive1", *(f"    {line}" for line in KINDS[kind].split("\n"))]
+    return _with_numbers("\n".join(lines) + "\n" + (_RECIPES if "recipe" in kinds else ""), device)
+
+
+def _with_numbers(text: str, device: Device) -> str:
+    """P and W stand for parameters of the device."""
     known = _known(device)
     ramp = next((number for number in (1120, 1121, 50303, 50304) if number in known), None)
     first = next((p.pnu for p in known.values() if "w" in p.access), 1120) if ramp is None else ramp
     words = [p.pnu for p in known.values() if p.type == "Unsigned16" and "w" in p.access and not device.danger(p.pnu)]
     word = 1030 if 1030 in words else next(iter(words), first)
-    lines = []
-    for kind in kinds:
-        lines += [f"  {kind}:", "    drive: drive1", *(f"    {line}" for line in KINDS[kind].split("\n"))]
-    text = "\n".join(lines) + "\n" + (_RECIPES if "recipe" in kinds else "")
     return re.sub(r"\bW\b", f"P{word}", re.sub(r"\bP\b", f"P{first}", text))
+
+
+def job_lines(kind: str, device: Device) -> str:
+    """The keys of a job of a kind beside its drive, in one line of flow YAML."""
+    text = {"read": "read: [P]", "write": "write: {P: }", **KINDS}[kind]
+    return _with_numbers(", ".join(line.partition(" | ")[0] for line in text.split("\n")), device)
 
 
 def usable(device: Device) -> tuple[str, ...]:

@@ -7,6 +7,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
+from pydantic_core import PydanticCustomError
+
+from plcgen.base.files.options import usage
+from plcgen.base.files.yaml import resolve_plain
 from plcgen.ds47.plan.nouns import DrivePlan
 from plcgen.ds47.recording.exchange import contact_text
 from plcgen.ds47.recording.faults import plan_faults
@@ -14,6 +18,8 @@ from plcgen.ds47.recording.jobs import DriveJobWatch, UnitWatch
 from plcgen.ds47.recording.partners import Partner, connect
 from plcgen.ds47.sim.drive import Drive
 from plcgen.ds47.sim.faults import FaultKind
+from plcgen.ds47.sim.load import value_of
+from plcgen.ds47.sim.parameters import SimulatedParameter
 from plcgen.ds47.texts import dissect_telegram
 from plcgen.ds47.words import DRAIN_MS
 from plcgen.report.trace.face import Observed, PartnerOptions
@@ -22,6 +28,10 @@ from plcgen.report.trace.recorder import SHAPES, RecordingCpu
 from plcgen.s7.cpu.system.bus import Periphery
 from plcgen.s7.cpu.system.record import RecordJob
 
+_PUT = re.compile(
+    r"(?P<drive>\w+)\.[PpRr]?(?P<number>[0-9]{1,5})(?:\[(?P<index>[0-9]{1,5})(?:\.\.[0-9]+)?\])?\s*=(?P<value>.*)",
+    re.DOTALL,
+)
 _LABEL = re.compile(r"([rP])([0-9]+)")
 
 
@@ -48,6 +58,52 @@ class DriveRecording:
         self._partners = connect(self.plan, options.files, faults)
         for address, partner in self._partners.items():
             bus.attach(address, partner.drive)
+
+    def contents(self) -> Iterator[tuple[str, str, str]]:
+        """Every parameter that a job accesses: ``drive.P1120``, of an array each element that is accessed first."""
+        seen = set[str]()
+        for job in self.plan.jobs:
+            for use in job.uses:
+                name = f"{job.drive.key}.{use.label}"
+                stored = self._stored(job.drive.key, use.parameter.pnu)
+                at = use.first or 0
+                if name in seen or stored is None or at >= len(stored.values):
+                    continue
+                seen.add(name)
+                value = stored.values[at]
+                text = value.hex(" ").upper() if isinstance(value, bytes) else str(value)
+                yield name, f"{use.parameter.title}{f', {use.parameter.unit}' if use.parameter.unit else ''}", text
+
+    def put(self, text: str) -> bool:
+        """``drive.P1120=5.0``, ``drive.P2900[1]=2``. Raises DiagnosticError."""
+        match = _PUT.fullmatch(text.strip())
+        stored = self._stored(match["drive"], int(match["number"])) if match else None
+        if match is None or stored is None:
+            return False
+        at = int(match["index"] or 0)
+        if at >= len(stored.values):
+            raise usage(text, f"the index is outside 0 to {len(stored.values) - 1}")
+        try:
+            stored.values[at] = value_of(stored.format, resolve_plain(match["value"].strip()))
+        except PydanticCustomError as wrong:
+            raise usage(text, str((wrong.context or {}).get("message", wrong))) from None
+        return True
+
+    def strike(self, fault: str) -> None:
+        """For all drives, or for ``drive=`` alone. Raises DiagnosticError."""
+        planned = plan_faults([fault], None, self.partners)
+        for address, partner in self._partners.items():
+            partner.drive.faults += planned.of(*(one.key for one in self.plan.drives if one.id_value == address))
+
+    def _stored(self, drive: str, pnu: int) -> SimulatedParameter | None:
+        """A parameter of the simulated drive behind a drive of the spec."""
+        planned = next((one for one in self.plan.drives if one.key == drive), None)
+        partner = None if planned is None else self._partners.get(planned.id_value)
+        if planned is None or partner is None:
+            return None
+        objects = partner.drive.objects
+        item = objects.get(planned.drive_object) or next(iter(objects.values()))
+        return item.parameters.get(pnu)
 
     def attach(self, cpu: RecordingCpu) -> RecordedDrives:
         """Watch units, jobs and drives."""

@@ -107,7 +107,7 @@ _TYPES: dict[str, Any] = {
 }
 
 
-def _value(fmt: Format, value: Any) -> Value:
+def value_of(fmt: Format, value: Any) -> Value:
     """Return a value in the parameter's type; octets are written as hexadecimal text."""
     try:
         if fmt.kind in {FormatKind.OCTETS, FormatKind.OPAQUE} and isinstance(value, str):
@@ -204,7 +204,7 @@ class ParameterKeys(StrictModel):
     def _fits(cls, value: Any, info: ValidationInfo) -> Any:
         if "type" not in info.data or (value is None and info.field_name != "value"):
             return value
-        return _value(info.data["type"], value)
+        return value_of(info.data["type"], value)
 
     @field_validator("values")
     @classmethod
@@ -221,7 +221,7 @@ class ParameterKeys(StrictModel):
         problems, found = Problems(), []
         for index, value in enumerate(values if "type" in info.data else ()):
             with problems.at(index):
-                found.append(_value(info.data["type"], value))
+                found.append(value_of(info.data["type"], value))
         problems.raise_any()
         return tuple(found)
 
@@ -240,7 +240,7 @@ class ParameterKeys(StrictModel):
             for key, limit in limits:
                 if limit is not None:
                     with problems.at(state, key):
-                        _value(info.data["type"], limit)
+                        value_of(info.data["type"], limit)
         problems.raise_any()
         return states
 

@@ -16,9 +16,11 @@ from plcgen.ppi.plan.nouns import PlannedMaster, PpiPlan, PpiValue
 from plcgen.ppi.recording.jobs import MasterWatch, PpiJobWatch
 from plcgen.ppi.sim import Bus, Fault, FaultKind, Station, Traffic
 from plcgen.ppi.sim.fault_text import FaultKeys, parse_fault
-from plcgen.ppi.sim.load import load_bus
+from plcgen.ppi.sim.load import load_bus, set_address
+from plcgen.ppi.sim.values import decode_value
 from plcgen.ppi.texts import StreamPiece, decode_pieces
 from plcgen.ppi.traffic import TrafficText
+from plcgen.ppi.wire.address import address_text
 from plcgen.ppi.wire.areas import Area
 from plcgen.ppi.wire.model import FixedFrame, VariableFrame
 from plcgen.ppi.words import DRAIN_MS
@@ -76,6 +78,7 @@ class PpiRecording:
         if plan.target.classic:
             self.calls = CallShape("P_SND_RK", "DONE", 16), CallShape("P_RCV_RK", "NDR", 16, answers=True)
         self._traffic: list[tuple[PlannedMaster, Traffic]] = []
+        self._lines: dict[str, Bus] = {}
 
     def connect(self, bus: Periphery, options: PartnerOptions) -> None:
         """A line with its stations at every port. Raises DiagnosticError."""
@@ -85,9 +88,38 @@ class PpiRecording:
             path = files.get(master.key) or files.get("")
             line = _line(master) if path is None else load_bus(read_text(path), str(path))
             line.faults += map(copy, faults)
+            self._lines[master.key] = line
             line.listener = partial(self._hear, master)
             hardware = PortSettings(baud=master.baud) if self.plan.target.classic else UNSET
             bus.ports[master.port] = Port(peer=line, line_baud=master.baud, hardware=hardware)
+
+    def contents(self) -> Iterator[tuple[str, str, str]]:
+        """Every address that a job accesses: ``line/2:VW100``."""
+        seen = set[str]()
+        for master in self.plan.masters:
+            for job in master.jobs:
+                station = self._lines[master.key].stations.get(job.station.address)
+                for value in job.values if station is not None else ():
+                    name = f"{master.key}/{job.station.address}:{address_text(value.item)}"
+                    if name not in seen and station is not None:
+                        seen.add(name)
+                        found = decode_value(value.item, station.cpu.memory.read(value.item).data)
+                        text = found.hex(" ").upper() if isinstance(found, bytes) else str(found)
+                        yield name, f"{job.station.key} {value.title}".strip(), text
+
+    def put(self, text: str) -> bool:
+        """``line/2:VW100=5``, or without the line for the first one. Raises DiagnosticError."""
+        key, slash, rest = text.partition("/")
+        line = self._lines.get(key) if slash else next(iter(self._lines.values()))
+        if line is None or "=" not in text:
+            return False
+        set_address(line, rest if slash else text)
+        return True
+
+    def strike(self, fault: str) -> None:
+        """On every line. Raises DiagnosticError."""
+        for line in self._lines.values():
+            line.faults += read_faults([fault], None)
 
     def attach(self, cpu: RecordingCpu) -> RecordedMasters:
         """Watch masters and jobs."""

@@ -20,7 +20,7 @@ from plcgen.report.diff.lock import DEFAULT, check_lock
 from plcgen.report.diff.lockfile import read_lock
 from plcgen.report.diff.planned_layout import project_tables
 from plcgen.report.diff.run import compare, compare_snapshots
-from plcgen.report.review.excerpts import excerpts
+from plcgen.report.review.excerpts import excerpts, sources_of
 from plcgen.report.review.model import LayoutPair, RecordedRun, Review, ReviewedFile, ReviewRequest
 from plcgen.report.review.revision import BaseFiles, base_files
 from plcgen.report.trace.run import RunSettings, Simulation
@@ -53,7 +53,7 @@ def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress 
     faults = cast("Faults", request.faults)
     verification = verify(Asked(request.spec, request.folder, faults=faults), progress)
     project = _project(request.spec)
-    sheet = _sheet(project)
+    sheet = sheet_of(project)
     missing: list[str] = [] if verification.ledger else [_NO_LEDGER]
     files = _files(request.folder)
     if base is None:
@@ -78,7 +78,7 @@ def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress 
         lock=lock,
         layouts=_layouts(project, base),
         runs=runs,
-        excerpts=tuple(excerpts(request.folder, sheet.exchanges)),
+        excerpts=tuple(excerpts(sources_of(request.folder), sheet.exchanges)),
         missing=tuple(missing),
     )
 
@@ -88,7 +88,8 @@ def _project(spec: Path) -> Project | None:
     return open_spec(spec).usable
 
 
-def _sheet(project: Project | None) -> ReviewSheet:
+def sheet_of(project: Project | None) -> ReviewSheet:
+    """What a reviewer of a project signs."""
     sheets: list[ReviewSheet] = [] if project is None else [p.protocol.review_sheet(p) for p in project.plans]
     return ReviewSheet(
         tuple(row for sheet in sheets for row in sheet.writes),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from plcgen.base.display.data import head
-from plcgen.build.sheet import ExchangeSheet, Message
+from plcgen.build.sheet import ExchangeSheet, Message, ReviewSheet
 from plcgen.proof.data import verification_data
 from plcgen.report.review.model import Review
 from plcgen.report.trace.data import trace_data
@@ -30,20 +30,7 @@ def review_data(review: Review) -> dict[str, Any]:
         "base": review.base,
         "changes": [{"title": title, **comparison_data(found, "never")} for title, found in review.changes],
         "lock": comparison_data(review.lock, "any") if review.lock is not None else None,
-        "writes": [
-            {
-                "job": w.job, "block": w.block, "partners": list(w.partners), "parameter": w.parameter, "text": w.text,
-                "value": w.value, "input": w.input, "limits": w.limits, "unit": w.unit, "trigger": w.trigger,
-                "memory": w.memory, "danger": w.danger, "signed": w.signed, "safety": w.safety,
-                "doubts": list(w.doubts),
-            }
-            for w in review.sheet.writes
-        ],
-        "instances": [
-            {"job": i.job, "key": i.key, "partner": i.partner, "address": i.address, "trigger": i.trigger}
-            for i in review.sheet.instances
-        ],
-        "telegrams": [_exchange(exchange) for exchange in review.sheet.exchanges],
+        **sheet_data(review.sheet),
         "layouts": [
             {
                 "before": pair.before.title if pair.before is not None else None,
@@ -54,6 +41,26 @@ def review_data(review: Review) -> dict[str, Any]:
         ],
         "runs": [{"job": run.job, "fault": run.fault, "trace": trace_data(run.trace)} for run in review.runs],
         "verification": verification_data(review.verification),
+    }  # fmt: skip
+
+
+def sheet_data(sheet: ReviewSheet) -> dict[str, Any]:
+    """What is written, to whom, and every telegram byte by byte."""
+    return {
+        "writes": [
+            {
+                "job": w.job, "block": w.block, "partners": list(w.partners), "parameter": w.parameter, "text": w.text,
+                "value": w.value, "input": w.input, "limits": w.limits, "unit": w.unit, "trigger": w.trigger,
+                "memory": w.memory, "danger": w.danger, "signed": w.signed, "safety": w.safety,
+                "doubts": list(w.doubts),
+            }
+            for w in sheet.writes
+        ],
+        "instances": [
+            {"job": i.job, "key": i.key, "partner": i.partner, "address": i.address, "trigger": i.trigger}
+            for i in sheet.instances
+        ],
+        "telegrams": [_exchange(exchange) for exchange in sheet.exchanges],
     }  # fmt: skip
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from plcgen.base.files.files import read_bounded
@@ -19,9 +19,12 @@ Lines = list[tuple[int, str]]
 """Lines of a source with their numbers."""
 
 
-def excerpts(folder: Path, exchanges: tuple[ExchangeSheet, ...]) -> Iterator[Excerpt]:
-    """Of every buffer its declaration, of every request the statements of its block that set a member."""
-    known = dict(_blocks(folder))
+def excerpts(sources: Iterable[tuple[str, str]], exchanges: tuple[ExchangeSheet, ...]) -> Iterator[Excerpt]:
+    """Of every buffer its declaration, of every request the statements of its block that set a member.
+
+    ``sources`` are names and texts.
+    """
+    known = dict(_blocks(sources))
     seen: set[str] = set()
     for exchange in exchanges:
         for message in (exchange.request, *exchange.answers):
@@ -38,17 +41,23 @@ def excerpts(folder: Path, exchanges: tuple[ExchangeSheet, ...]) -> Iterator[Exc
             yield Excerpt(exchange.request.home.name, file, tuple(used))
 
 
-def _blocks(folder: Path) -> Iterator[tuple[str, tuple[str, Lines]]]:
-    """Every block of the generated sources by its name in capitals: its file and its lines."""
+def sources_of(folder: Path) -> Iterator[tuple[str, str]]:
+    """The generated sources of a folder, as far as they can be read."""
     for path in generated_sources(folder):
         try:
             data = read_bounded(path, MAX_BYTES)
         except OSError:
             continue
         text = decode_source(data, path.name) if len(data) <= MAX_BYTES else None
-        name = path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.name
+        if isinstance(text, str):
+            yield path.relative_to(folder).as_posix() if path.is_relative_to(folder) else path.name, text
+
+
+def _blocks(sources: Iterable[tuple[str, str]]) -> Iterator[tuple[str, tuple[str, Lines]]]:
+    """Every block by its name in capitals: its file and its lines."""
+    for name, text in sources:
         lines: Lines = []
-        for number, line in enumerate(text.splitlines() if isinstance(text, str) else (), 1):
+        for number, line in enumerate(text.splitlines(), 1):
             if head := _HEAD.match(line):
                 lines = []
                 yield head[1].upper(), (name, lines)

@@ -130,3 +130,12 @@ class Recording(Protocol):
 
     def attach(self, cpu: RecordingCpu) -> Recorded:
         """Watch a CPU that has started."""
+
+    def contents(self) -> Iterator[tuple[str, str, str]]:
+        """What the jobs read and write on the partners, as it is now: name as ``put`` takes it, title, value."""
+
+    def put(self, text: str) -> bool:
+        """Change a partner by hand, ``NAME=VALUE``; False if it has nothing of that name. Raises DiagnosticError."""
+
+    def strike(self, fault: str) -> None:
+        """One more fault from now on. Raises DiagnosticError."""

@@ -61,7 +61,7 @@ class Simulation:
         return open_spec(self.spec)
 
     @cached_property
-    def _program(self) -> Program:
+    def program(self) -> Program:
         """The program. Raises DiagnosticError."""
         if not self.folder.is_dir():
             place, text = Span(str(self.folder)), "run plcgen generate first"
@@ -74,12 +74,15 @@ class Simulation:
         """Run against simulated partners and record it; problems are diagnostics."""
         report = Report()
         try:
-            return self._run(settings, progress, report)
+            run = self.begin(settings, report)
+            run.go(progress)
+            return run.trace()
         except DiagnosticError as problem:
             report.extend(problem.diagnostics)
         return Trace(str(self.spec), str(self.folder), diagnostics=tuple(report))
 
-    def _run(self, settings: RunSettings, progress: Progress | None, report: Report) -> Trace:
+    def begin(self, settings: RunSettings, report: Report) -> Run:
+        """A run before its first scan. Raises DiagnosticError; what is no error is in the report."""
         project = self._opened.sound()
         report.extend(self._opened.diagnostics)
         recordings = _recordings(project)
@@ -90,32 +93,13 @@ class Simulation:
         target = project.target
         bus = Periphery()
         _connect(recordings, chosen, settings, bus)
-        program = self._program
+        program = self.program
         report.extend(program.diagnostics)
         cpu = RecordingCpu(program, bus, cast("Family", target.family))
-        run = _Run(cpu, recordings, chosen, settings, scan_time, assignments)
-        run.go(self.folder, progress)
-        report.extend(map(_diagnostic, dict.fromkeys(cpu.misuses)))
-        main = program.main()
-        words = {recording.words for recording in recordings}
-        return Trace(
-            str(self.spec),
-            str(self.folder),
-            project.name,
-            f"{target.family} / {target.toolchain}",
-            main.name if main else "",
-            words.pop() if len(words) == 1 else ("call", "partner"),
-            scan_time,
-            cpu.scans,
-            cpu.clock,
-            run.ended,
-            settings.scans is not None,
-            tuple(run.signals),
-            tuple(run.start),
-            tuple(run.steps),
-            tuple(watch.result() for watch in run.jobs),
-            tuple(report),
-        )
+        run = Run(self, project, cpu, recordings, chosen, settings, scan_time, assignments, report)
+        cpu.restart("cold")
+        run.prepare()
+        return run
 
 
 def _recordings(project: Project) -> list[Recording]:
@@ -188,15 +172,18 @@ def _columns(shape: CallShape) -> dict[str, tuple[Kind, int]]:
 
 
 @dataclass(slots=True)
-class _Run:
+class Run:
     """The state of one run: signals with what they watch, and the steps so far."""
 
+    simulation: Simulation
+    project: Project
     cpu: RecordingCpu
     recordings: Sequence[Recording]
     chosen: Sequence[tuple[int, str]]
     settings: RunSettings
     scan_time: int
     assignments: Sequence[TimedValue]
+    report: Report
     pending: deque[tuple[int, str, object]] = field(default_factory=deque)
     signals: list[Signal] = field(default_factory=list)
     start: list[Value] = field(default_factory=list)
@@ -209,23 +196,17 @@ class _Run:
     watched: list[tuple[int, Watched | Derived]] = field(default_factory=list)
     positions: dict[str, int] = field(default_factory=dict)
 
-    def go(self, folder: Path, progress: Progress | None) -> None:
-        """Prepare, then scan until the end."""
-        self.cpu.restart("cold")
-        self.prepare(folder)
+    def go(self, progress: Progress | None) -> None:
+        """Scan until the end."""
         limit, pending = self.settings.scans or self.longest(), self.pending
         for number in range(1, limit + 1):
-            if number == 1:
-                for path in self.others:  # a job with a cycle starts automatically
-                    self.cpu[path] = False
             while pending and pending[0][0] <= number:
                 _, path, value = pending.popleft()
                 self.cpu[path] = value
             if number == 1 and self.settings.inputs is None:  # else the file says when a job starts
                 for job in self.jobs:
                     job.begin()
-            self.cpu.scan(self.scan_time)
-            self.record(number)
+            self.scan()
             if progress is not None and number % 100 == 0:
                 progress("scans", number, limit)
             if self.cpu.faulted:
@@ -234,6 +215,35 @@ class _Run:
             if all(job.finished for job in self.jobs) and not pending:
                 self.ended = "jobs"
                 return
+
+    def scan(self) -> None:
+        """One scan of the program, recorded."""
+        self.cpu.scan(self.scan_time)
+        self.record(self.cpu.scans)
+
+    def trace(self, since: int = 0) -> Trace:
+        """Everything that was recorded so far, without the first ``since`` steps."""
+        main = self.simulation.program.main()
+        words = {recording.words for recording in self.recordings}
+        self.report.extend(map(_diagnostic, dict.fromkeys(self.cpu.misuses)))
+        return Trace(
+            str(self.simulation.spec),
+            str(self.simulation.folder),
+            self.project.name,
+            f"{self.project.target.family} / {self.project.target.toolchain}",
+            main.name if main else "",
+            words.pop() if len(words) == 1 else ("call", "partner"),
+            self.scan_time,
+            self.cpu.scans,
+            self.cpu.clock,
+            self.ended,
+            self.settings.scans is not None,
+            tuple(self.signals),
+            tuple(self.start),
+            tuple(self.steps[since:]),
+            tuple(watch.result() for watch in self.jobs),
+            tuple(self.report),
+        )
 
     @property
     def controls(self) -> list[str]:
@@ -247,14 +257,15 @@ class _Run:
         last = max((item.scan for item in self.assignments), default=0)
         return last + -(-time // self.scan_time) + 10
 
-    def prepare(self, folder: Path) -> None:
+    def prepare(self) -> None:
         """Look up everything that is recorded. Raises DiagnosticError if the folder holds other blocks."""
         try:
             self.prepare_jobs()
         except KeyError as problem:
             text = "the folder was generated from another spec, or by another version: run plcgen generate"
             message = f"a block or member of this spec is missing: {problem.args[0]}"
-            raise DiagnosticError([Diagnostic("PG608", message, Span(str(folder)), help=text)]) from None
+            place = Span(str(self.simulation.folder))
+            raise DiagnosticError([Diagnostic("PG608", message, place, help=text)]) from None
         controls = self.controls
         self.pending.extend(all_right(located(self.cpu, item, controls) for item in self.assignments))
         shown = {item.path: where for item, (_, where, _) in zip(self.assignments, self.pending, strict=True)}
@@ -271,6 +282,8 @@ class _Run:
             for path in valued_members(self.cpu):
                 if f"memory.{path}" not in self.positions:
                     self.add(*signal(self.cpu, "memory", path, path))
+        for path in self.others:  # a job with a cycle starts automatically
+            self.cpu[path] = False
 
     def prepare_jobs(self) -> None:
         """Look up the members of the jobs and what they share. Raises KeyError for one that is not there."""
