@@ -9,7 +9,7 @@ READY := $(VENV)/.ready
 unexport PYTHONDONTWRITEBYTECODE
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
-.PHONY: demo test fast coverage lint hostile fuzz bench house pairs engine mutate deletions beliefs damages examples example-diff docs site pictures lock clean
+.PHONY: demo test fast coverage lint hostile fuzz bench house pairs engine mutate deletions beliefs damages examples example-diff docs site pictures editor lock clean
 
 demo: $(READY)
 	$(BIN)/plcgen demo .demo
@@ -107,8 +107,14 @@ site:
 pictures: $(READY)
 	$(BIN)/python -m tests.docs.make_pictures
 
+# CodeMirror for the page of plcgen serve, from the packages of its lock file; lies in the wheel, not in the repository.
+EDITOR := plcgen/workbench/serve
+editor:
+	@mkdir -p .venv-editor && cp $(EDITOR)/editor/* .venv-editor
+	cd .venv-editor && npm ci --silent --no-audit --no-fund --ignore-scripts && node bundle.js ../$(EDITOR)/page
+
 # Everything for development; what plcgen needs, what builds it, what lists its parts: all by hash.
-FLOORS = jinja2==3.1.5 lxml==5.4.0 click==8.2.1 pydantic==2.12.0 PyYAML==6.0.2
+FLOORS = jinja2==3.1.5 lxml==5.4.0 click==8.2.1 pydantic==2.12.0 PyYAML==6.0.2 starlette==0.46.0 uvicorn==0.34.0
 COMPILE = $(BIN)/pip-compile --quiet --generate-hashes --allow-unsafe --strip-extras --no-header --no-annotate \
   --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 lock:

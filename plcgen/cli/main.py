@@ -21,6 +21,7 @@ SECTIONS: Sections = (
         (
             ("new", "Write a commented starter spec."),
             ("check", "Check specs and show every problem at its place."),
+            ("serve", "Open the workbench, a page in the browser for all of it."),
             ("devices", "List the devices that a spec may name."),
             ("schema", "Print the JSON schema of a spec."),
             ("lsp", "Serve an editor: problems, completion, hover."),

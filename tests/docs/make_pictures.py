@@ -1,7 +1,8 @@
-"""Makes the screenshots in docs/pictures: the review pages of the FAQ's example and of a plant with 20 drives."""
+"""Makes the screenshots in docs/pictures: review pages of the FAQ's example and of a plant with 20 drives; the workbench."""
 
 from __future__ import annotations
 
+import re
 import shutil
 import sys
 import tempfile
@@ -39,7 +40,27 @@ def main() -> int:
                 text = format_.render("review", api.review(source, folder), PLAIN)
                 page.write_text(text.replace(f"{room.as_posix()}/", ""), "utf-8")
             picture(page, room, ROOT / "docs" / "pictures" / target, width, height)
+        workbench(room, ROOT / "docs" / "pictures" / "workbench.png")
     return 0
+
+
+def workbench(room: Path, target: Path) -> None:
+    """The page of ``serve`` with a mistake in a spec, and parameters that were found by a word."""
+    from tests.workbench.serve.browser import page
+    from tests.workbench.serve.server import served
+
+    folder = room / "machines"
+    folder.mkdir()
+    text = (ROOT / "specs" / "s7-1500_g120_pn.yaml").read_text("utf-8")
+    text = re.sub(r", zh-CN(: [^}]+)?", "", text)  # not every machine has the letters
+    (folder / "pump.yaml").write_text(text.replace("hardware_id", "hardware_ident"), "utf-8")
+    with served(folder) as address, page(room) as browser:
+        browser.size(1280, 800)
+        browser.open(address)
+        browser.sees("#problems .error", "hardware_ident")
+        browser.fill("#search", "ramp")
+        browser.sees("#results .hit", "P1120")
+        browser.picture(target)
 
 
 if __name__ == "__main__":

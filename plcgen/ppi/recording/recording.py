@@ -108,12 +108,11 @@ class PpiRecording:
                         yield name, f"{job.station.key} {value.title}".strip(), text
 
     def put(self, text: str) -> bool:
-        """``line/2:VW100=5``, or without the line for the first one. Raises DiagnosticError."""
+        """``line/2:VW100=5``. Raises DiagnosticError."""
         key, slash, rest = text.partition("/")
-        line = self._lines.get(key) if slash else next(iter(self._lines.values()))
-        if line is None or "=" not in text:
+        if not slash or key not in self._lines:
             return False
-        set_address(line, rest if slash else text)
+        set_address(self._lines[key], rest)
         return True
 
     def strike(self, fault: str) -> None:

@@ -14,6 +14,7 @@ from plcgen.s7.read.text import MAX_BYTES, decode_source
 
 _HEAD = re.compile(r'\s*(?:TYPE|DATA_BLOCK|FUNCTION_BLOCK|FUNCTION|ORGANIZATION_BLOCK)\s+"?([^"\s:]+)"?', re.IGNORECASE)
 _MEMBER = re.compile(r'\s*"?([A-Za-z_][A-Za-z0-9_]*)"?(?:\s*\{[^}]*\})?\s*:(?!=)')
+_QUOTED = re.compile(r'"([^"]+)"')
 _SET = re.compile(r'\.\s*"?([A-Za-z_][A-Za-z0-9_]*)"?\s*:=')
 Lines = list[tuple[int, str]]
 """Lines of a source with their numbers."""
@@ -25,6 +26,7 @@ def excerpts(sources: Iterable[tuple[str, str]], exchanges: tuple[ExchangeSheet,
     ``sources`` are names and texts.
     """
     known = dict(_blocks(sources))
+    homes = {one.request.home.name for one in exchanges}
     seen: set[str] = set()
     for exchange in exchanges:
         for message in (exchange.request, *exchange.answers):
@@ -36,7 +38,7 @@ def excerpts(sources: Iterable[tuple[str, str]], exchanges: tuple[ExchangeSheet,
             if found:
                 yield Excerpt(message.home.name, file, tuple(found))
         file, lines = known.get(exchange.block.upper(), ("", []))
-        used = list(_used(lines, exchange.request))
+        used = list(_used(lines, exchange.request, homes))
         if used:
             yield Excerpt(exchange.request.home.name, file, tuple(used))
 
@@ -72,9 +74,12 @@ def _declared(lines: Lines, message: Message) -> Iterator[SourceLine]:
             yield SourceLine(number, line.strip(), offsets.pop(match[1].upper()))
 
 
-def _used(lines: Lines, request: Message) -> Iterator[SourceLine]:
+def _used(lines: Lines, request: Message, homes: set[str]) -> Iterator[SourceLine]:
+    """A block may set members of several requests: each line is of the one that it names."""
     offsets = {field.name.upper(): field.offset for field in request.fields if field.name}
     for number, line in lines:
-        match = _SET.search(line)
+        match, named = _SET.search(line), set(_QUOTED.findall(line))
+        if named & homes and request.home.name not in named:
+            continue
         if match and match[1].upper() in offsets and "request" in line.lower():
             yield SourceLine(number, line.strip(), offsets[match[1].upper()])

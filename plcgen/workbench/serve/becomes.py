@@ -1,0 +1,122 @@
+"""What a spec becomes, as it is typed: telegrams with their bytes, the write list, the files against those on disk."""
+
+from __future__ import annotations
+
+import io
+import threading
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from plcgen.api import default_folder
+from plcgen.base.files.files import read_bounded
+from plcgen.base.files.hashes import same_text
+from plcgen.build.environment import RenderedFile
+from plcgen.build.rendering import render_project
+from plcgen.build.writing import file_diff
+from plcgen.project.nouns import Project
+from plcgen.report.review.collect import sheet_of
+from plcgen.report.review.data import sheet_data
+from plcgen.report.review.excerpts import excerpts
+from plcgen.s7.read.generated import MANIFEST
+from plcgen.s7.read.text import decode_source
+
+SOURCES = (".scl", ".udt", ".db")
+MAX_COMPARED = 64 * 1024 * 1024
+_ZIPPED = (1980, 1, 1, 0, 0, 0)
+"""The time of every file in an archive: the same spec gives the same bytes."""
+
+
+@dataclass(frozen=True)
+class Made:
+    """The files of one text of a spec."""
+
+    project: Project
+    files: Mapping[str, RenderedFile]
+
+
+class Maker:
+    """Makes the files of a spec in memory; those of the last text are kept."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._last: tuple[str, str, Made] | None = None
+
+    def make(self, path: Path, text: str, project: Project) -> Made:
+        """All files of a project. Raises DiagnosticError."""
+        key = path.as_posix(), text
+        with self._lock:
+            if self._last is None or self._last[:2] != key:
+                self._last = *key, Made(project, {file.path: file for file in render_project(project)})
+            return self._last[2]
+
+
+def sheet(made: Made) -> dict[str, Any]:
+    """Telegrams, write list and partners, with the lines of the sources that declare or set each member."""
+    found = sheet_of(made.project)
+    texts = ((name, decode_source(file.data, name)) for name, file in made.files.items() if name.endswith(SOURCES))
+    sources = ((name, text) for name, text in texts if isinstance(text, str))
+    return {
+        "project": made.project.name,
+        "target": f"{made.project.target.family} / {made.project.target.toolchain}",
+        **sheet_data(found),
+        "excerpts": [
+            {
+                "block": one.block,
+                "file": one.file,
+                "lines": [{"number": line.number, "text": line.text, "member": line.member} for line in one.lines],
+            }
+            for one in excerpts(sources, found.exchanges)
+        ],
+    }
+
+
+def listed(made: Made, spec: Path) -> list[dict[str, Any]]:
+    """Every file and how it stands to the one on disk."""
+    folder = default_folder(spec)
+    return [
+        {"path": name, "bytes": len(file.data), "state": _state(file, _on_disk(folder, name))}
+        for name, file in made.files.items()
+    ]
+
+
+def shown(made: Made, spec: Path, name: str) -> dict[str, Any] | None:
+    """Text of a file, and its difference from the one on disk; None if there is no such file."""
+    file = made.files.get(name)
+    if file is None:
+        return None
+    old = _on_disk(default_folder(spec), name)
+    text = decode_source(file.data, name)
+    state = _state(file, old)
+    return {
+        "path": name,
+        "text": text if isinstance(text, str) else file.data.decode("utf-8", "replace"),
+        "state": state,
+        "diff": "".join(file_diff(file, old)) if state == "changed" else "",
+    }
+
+
+def zipped(made: Made, spec: Path) -> bytes:
+    """All files in one archive, below the name of their folder."""
+    target = io.BytesIO()
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, file in made.files.items():
+            info = zipfile.ZipInfo(f"{default_folder(spec).name}/{name}", _ZIPPED)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(info, file.data)
+    return target.getvalue()
+
+
+def _on_disk(folder: Path, name: str) -> bytes | None:
+    try:
+        return read_bounded(folder / name, MAX_COMPARED)
+    except OSError:
+        return None
+
+
+def _state(file: RenderedFile, old: bytes | None) -> str:
+    if old is None:
+        return "new"
+    return "same" if same_text(old, file.data) else "changed" if file.path != MANIFEST else "manifest"

@@ -1,0 +1,121 @@
+"""What the form beside the editor does to a spec: text put in at a place; all other lines stay as they are."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from plcgen.base.diagnostics import Report
+from plcgen.base.files.yaml import YamlNode, parse_yaml
+from plcgen.workbench.serve.room import wrong
+
+NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,23}\Z")
+_STEP = "  "
+
+
+class Document:
+    """A spec as text with the places of its nodes."""
+
+    def __init__(self, text: str, name: str) -> None:
+        self.name, self.text = name, text if text.endswith("\n") or not text else f"{text}\n"
+        self.lines = self.text.splitlines(keepends=True)
+        root = parse_yaml(self.text, name, Report())
+        if root is None and self.text.strip():
+            raise wrong(name, "the form cannot be used while the text is no YAML", "correct the marked line first")
+        self.root = root if root is not None and root.kind == "map" else None
+
+    def at(self, *path: str) -> YamlNode | None:
+        """The value at some keys."""
+        node = self.root
+        for key in path:
+            node = node.get(key) if node is not None else None
+        return node
+
+    def add(self, path: Sequence[str], key: str, body: str) -> str:
+        """The text with one more entry in the mapping at ``path``, which is made if it is missing.
+
+        ``body`` is one line of flow YAML: what stands behind the key. Raises DiagnosticError if the key is there.
+        """
+        parent = self.at(*path)
+        if parent is not None and key in parent.pairs:
+            raise wrong(self.name, f'there is "{key}" already', "choose another name")
+        if parent is None or (parent.kind == "scalar" and parent.value is None):
+            return self._first(path, key, body)
+        if parent.kind != "map":
+            raise wrong(self.name, f'"{".".join(path)}" is no mapping', "correct it in the text")
+        flowing = self.lines[parent.span.line - 1][parent.span.column - 1] == "{"
+        return self._entry(parent, f"{key}: {body or 'null' if flowing else body}".rstrip(), "{}")
+
+    def append(self, path: Sequence[str], item: str) -> str:
+        """The text with one more item in the list at ``path``, which is there."""
+        parent = self.at(*path)
+        assert parent is not None  # noqa: S101 - the caller has looked
+        if parent.kind == "scalar" and parent.value is not None:
+            span = parent.span
+            return self._put(span.line, span.column, f"[{parent.raw}, {item}]", span.end_column - span.column)
+        return self._entry(parent, item, "[]")
+
+    def _entry(self, parent: YamlNode, entry: str, braces: str) -> str:
+        """Put an entry behind the last one of a mapping or list, in its style."""
+        line = self.lines[parent.span.line - 1]
+        if line[parent.span.column - 1] == braces[0]:
+            comma = ", " if parent.children else ""
+            return self._put(parent.span.end_line, parent.span.end_column - 1, f"{comma}{entry}")
+        last = max(_end(node) for node in (*parent.children, *(key for key, _ in parent.pairs.values())))
+        indent = " " * (parent.span.column - 1)
+        dash = "- " if braces == "[]" else ""
+        return self._insert(last, f"{indent}{dash}{entry}\n")
+
+    def _first(self, path: Sequence[str], key: str, body: str) -> str:
+        """The first entry of a mapping that is empty or missing: behind the key, or a new key at the end."""
+        *above, name = path
+        parent = self.at(*above) if above else self.root
+        if parent is not None and name in parent.pairs:
+            place = parent.pairs[name][0].span
+            indent = " " * (place.column - 1) + _STEP
+            return self._insert(place.line, f"{indent}{key}: {body}".rstrip() + "\n")
+        if above and parent is not None:
+            return self.add(above, name, f"{{{key}: {body}}}" if body else f"{{{key}: }}")
+        gap = "\n" if self.text.strip() else ""
+        return f"{self.text.rstrip()}\n{gap}{name}:\n{_STEP}{key}: {body}".lstrip("\n").rstrip() + "\n"
+
+    def _insert(self, line: int, text: str) -> str:
+        """Put lines behind a line."""
+        return "".join([*self.lines[:line], text, *self.lines[line:]])
+
+    def _put(self, line: int, column: int, text: str, instead: int = 0) -> str:
+        old = self.lines[line - 1]
+        new = old[: column - 1] + text + old[column - 1 + instead :]
+        return "".join([*self.lines[: line - 1], new, *self.lines[line:]])
+
+
+def _end(node: YamlNode) -> int:
+    """The last line that belongs to a node: the end of a block is where the next thing begins."""
+    if node.children and node.kind != "scalar":
+        deepest = max(_end(each) for each in (*node.children, *(key for key, _ in node.pairs.values())))
+        return max(deepest, node.span.end_line if node.span.end_column > 1 and deepest == node.span.end_line else 0)
+    end, first = node.span.end_line, node.span.line
+    return max(first, end - 1) if node.span.end_column <= 1 else max(first, end)
+
+
+def add_parameter(document: Document, job: Sequence[str], reference: str, *, writes: bool) -> str:
+    """The text with a parameter read or written by a job, by whatever of the two it does already."""
+    node = document.at(*job)
+    if node is None or node.kind != "map":
+        raise wrong(document.name, f'there is no job "{job[-1]}"', "choose a job of the list")
+    key = "write" if writes else "read"
+    there = node.get(key)
+    number = reference.lstrip("PpRr")
+    if there is not None and any(number == old.lstrip("PpRr") for old in _named(there)):
+        raise wrong(document.name, f'the job "{job[-1]}" has {reference} already')
+    if there is None:
+        return document.add(job, key, f"{{{reference}: }}" if writes else f"[{reference}]")
+    if there.kind == "map":
+        return document.add([*job, key], reference, "")
+    return document.append([*job, key], reference)
+
+
+def _named(node: YamlNode) -> list[str]:
+    if node.kind == "map":
+        return list(node.pairs)
+    return [node.raw] if node.kind == "scalar" else [item.raw for item in node.items if item.kind == "scalar"]

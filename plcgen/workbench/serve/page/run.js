@@ -1,0 +1,165 @@
+// The soft CPU live: run, pause, step; everything that can be set by hand; lanes, telegrams, partners.
+import { fill, h, option, field } from "./dom.js";
+import { ask, attempt } from "./ask.js";
+import { word } from "./words.js";
+import { Lanes, telegramTable } from "./lanes.js";
+
+const BOOLS = [["execute", "main"], ["busy", "note"], ["done", "good"], ["error", "bad"]];
+
+export function runTab(desk) {
+  const origin = h("select", {}, option("made", word("asMade")), option("disk", word("onDisk")));
+  const time = h("input", { type: "number", value: "10", min: 1, max: 1000, size: 4 });
+  const load = h("button", { class: "main", id: "load" }, word("load"));
+  const run = h("button", { id: "run", disabled: true }, word("run"));
+  const step = h("button", { id: "step", disabled: true }, word("step"));
+  const ten = h("button", { id: "ten", disabled: true }, `${word("step")} \u00d710`);
+  const where = h("span", { id: "scan", class: "quiet", role: "status" });
+  const jobs = h("div", { id: "run-jobs" });
+  const partners = h("div", { id: "partners" });
+  const wire = h("div", { id: "wire", class: "wire" });
+  const decoded = h("div", { id: "decoded" });
+  const members = h("datalist", { id: "members" });
+  const setting = h("input", { id: "set", placeholder: "DriveJobs.setRamps.rampUp=5.0", list: "members" });
+  setting.setAttribute("list", "members");
+  const fault = h("input", { id: "fault", list: "faults" });
+  fault.setAttribute("list", "faults");
+  const faults = h("datalist", { id: "faults" });
+  const lanes = new Lanes((scan) => mark(scan));
+  let state = null, going = false, timer = 0;
+
+  function start(found) {
+    state = { ...found, series: new Map(), known: [], contacts: [], on: new Map(found.jobs.map((one) => [one.key, false])) };
+    fill(members, found.members.map((path) => option(path.replace(/"/g, ""))));
+    fill(faults, found.faults.map((one) => option(one)));
+    fault.placeholder = found.example;
+    fill(decoded);
+    fill(wire, h("p", { class: "quiet" }, word("noExchange")));
+    for (const one of [run, step, ten]) one.disabled = false;
+    take(found);
+  }
+
+  function take(found) {
+    for (const one of found.signals) {
+      state.known.push(one);
+      state.series.set(one.id, [[1, one.start]]);
+    }
+    for (const each of found.steps) {
+      for (const [id, value] of Object.entries(each.changes)) state.series.get(id)?.push([each.scan, value]);
+      for (const one of each.exchanges) state.contacts.push({ ...one, scan: each.scan, time: each.time });
+    }
+    state.scan = found.scan;
+    fill(where, `${word("scan")} ${found.scan}, ${found.time} ms`, found.stopped ? h("b", { class: "bad" }, " STOP") : null);
+    if (found.stopped || found.full) pause();
+    for (const one of found.diagnostics.filter((each) => each.severity === "error")) fill(decoded, h("p", { class: "bad" }, `${one.code}: ${one.message}`));
+    lanes.show(chosen(), found.scan, true);
+    drawJobs(found);
+    drawPartners(found.partners);
+    drawWire();
+  }
+
+  function chosen() {
+    const list = [];
+    for (const job of state.jobs) {
+      const named = (name) => state.known.find((one) => one.id === `${job.key}.${name}`);
+      for (const [name, style] of BOOLS) if (named(name)) list.push({ title: name, group: job.key, kind: "bool", style, series: state.series.get(`${job.key}.${name}`) });
+      const found = named("state");
+      if (found) list.push({ title: "state", group: job.key, kind: "state", names: found.names, series: state.series.get(found.id) });
+      for (const one of state.known.filter((each) => each.group === job.key && each.name.endsWith(".BUSY"))) {
+        list.push({ title: one.name.replace(".BUSY", ""), group: job.key, kind: "bool", style: "warn", series: state.series.get(one.id) });
+      }
+      const sent = state.contacts.filter((one) => one.group === job.key).map((one) => [one.scan, true]);
+      if (sent.length) list.push({ title: word("telegrams").toLowerCase(), group: job.key, kind: "mark", style: "main", series: sent });
+    }
+    return list;
+  }
+
+  function drawJobs(found) {
+    fill(jobs, state.jobs.map((job) => {
+      const last = found.results.find((one) => one.job === job.key);
+      const on = state.series.get(`${job.key}.execute`)?.at(-1)?.[1] === true;
+      return h("div", { class: "row job" }, h("button", {
+        "aria-pressed": on ? "true" : "false", title: job.execute, "data-job": job.key, onclick: () => put(`${job.execute.replace(/"/g, "")}=${on ? "FALSE" : "TRUE"}`),
+      }, word("execute")), h("b", {}, job.key), h("small", { class: last?.ending === "error" ? "bad" : "" }, `${last?.ending ?? ""} ${last?.status ?? ""}`));
+    }));
+  }
+
+  function drawPartners(list) {
+    if (partners.contains(document.activeElement)) return;
+    fill(partners, h("table", { class: "dense" }, h("tbody", {}, list.map(([name, title, value]) => h("tr", { title }, h("td", {}, name),
+      h("td", {}, h("input", { class: "value", value, "aria-label": name, onchange: (event) => { event.target.blur(); put(`${name}=${event.target.value}`); } })))))));
+  }
+
+  function drawWire() {
+    if (!state.contacts.length) return;
+    fill(wire, state.contacts.slice(-300).reverse().map((one) => h("button", { class: `row ${one.direction}`, "data-scan": String(one.scan), onclick: () => open(one) },
+      h("span", { class: "n" }, String(one.scan)), h("span", {}, one.direction === "write" ? "\u2192" : "\u2190"), h("small", {}, one.drive), h("span", {}, one.text))));
+  }
+
+  function open(one) {
+    lanes.go(one.scan);
+    fill(decoded, h("h4", {}, `${word("scan")} ${one.scan}, ${one.drive}`), h("p", {}, one.text), one.telegram ? telegramTable(one.telegram, word) : null);
+  }
+
+  function mark(scan) {
+    lanes.go(scan);
+    const near = state.contacts.filter((one) => one.scan <= scan).at(-1);
+    if (near && near.scan === scan) open(near);
+  }
+
+  async function act(call) {
+    const found = await attempt(call);
+    if (found) take(found);
+    return found;
+  }
+  const put = (text) => act(() => ask("put", { text })).then((found) => found && !going && act(() => ask("step", { scans: 1 })));
+
+  function pause() {
+    going = false;
+    clearTimeout(timer);
+    run.textContent = word("run");
+  }
+
+  async function tick() {
+    if (!going) return;
+    const found = await act(() => ask("step", { scans: 5 }));
+    if (found && going) timer = setTimeout(tick, 100);
+    else pause();
+  }
+
+  load.addEventListener("click", async () => {
+    pause();
+    load.disabled = true;
+    const found = await attempt(() => ask("load", { ...desk.now, origin: origin.value, scan_time: Number(time.value) || 10 }));
+    load.disabled = false;
+    if (found) {
+      load.textContent = word("restart");
+      start(found);
+    }
+  });
+  run.addEventListener("click", () => {
+    if (going) return pause();
+    going = true;
+    run.textContent = word("pause");
+    tick();
+  });
+  step.addEventListener("click", () => act(() => ask("step", { scans: 1 })));
+  ten.addEventListener("click", () => act(() => ask("step", { scans: 10 })));
+  const send = (input, question) => (event) => {
+    event.preventDefault();
+    if (!input.value.trim() || !state) return;
+    act(() => ask(question, { text: input.value.trim() })).then((found) => { if (found) input.value = ""; });
+  };
+
+  return {
+    key: "run", title: "tabRun",
+    content: h("div", { class: "stack" },
+      h("div", { class: "bar views" }, field(word("source"), origin), field("ms", time), load, run, step, ten, where),
+      h("div", { class: "running" },
+        h("div", { class: "side" }, h("h3", {}, word("jobs")), jobs,
+          h("form", { class: "one", onsubmit: send(setting, "put") }, setting, h("button", {}, word("set"))), members,
+          h("form", { class: "one", onsubmit: send(fault, "strike") }, fault, h("button", {}, word("inject"))), faults,
+          h("h3", {}, word("driveValues")), partners),
+        h("div", { class: "middle" }, lanes.box, h("div", { class: "below" }, h("div", {}, h("h3", {}, word("exchanges")), wire), decoded)))),
+    shown() { lanes.size(); },
+  };
+}

@@ -1,0 +1,106 @@
+// Verification with progress; a check that failed opens its run, at its scan.
+import { fill, h, option, field, table } from "./dom.js";
+import { ask, attempt } from "./ask.js";
+import { word } from "./words.js";
+import { Lanes, telegramTable } from "./lanes.js";
+
+// Follow the work of the server until it ends: its result, or nothing if it was cancelled or failed.
+export async function follow(begin, bar, told) {
+  const started = await attempt(begin);
+  if (!started) return undefined;
+  bar.hidden = false;
+  try {
+    for (;;) {
+      const now = await attempt(() => ask("state"));
+      if (!now || now.number !== started.number) return undefined;
+      bar.max = now.total || 1;
+      bar.value = now.done;
+      fill(told, now.ended ? "" : `${now.what} ${now.total ? `${now.done} / ${now.total}` : ""}`);
+      if (now.ended) {
+        if (now.cancelled) fill(told, word("cancelled"));
+        return now.result ?? undefined;
+      }
+      await new Promise((wake) => setTimeout(wake, 200));
+    }
+  } finally {
+    bar.hidden = true;
+  }
+}
+
+export function verifyTab(desk) {
+  const origin = h("select", { id: "verify-files" }, option("made", word("asMade")), option("disk", word("onDisk")));
+  const effort = h("select", { id: "effort" }, option("none"), option("quick", "quick", true), option("full"));
+  const start = h("button", { class: "main", id: "verify-start" }, word("start"));
+  const cancel = h("button", { id: "verify-cancel", disabled: true, onclick: () => attempt(() => ask("cancel")) }, word("cancel"));
+  const bar = h("progress", { hidden: true });
+  const told = h("span", { class: "quiet", id: "verify-told", role: "status" });
+  const body = h("div", { class: "body", id: "verified" });
+
+  start.addEventListener("click", async () => {
+    start.disabled = true;
+    cancel.disabled = false;
+    const asked = { ...desk.now, origin: origin.value, faults: effort.value };
+    const found = await follow(() => ask("verify", asked), bar, told);
+    start.disabled = false;
+    cancel.disabled = true;
+    if (found) show(found, asked);
+  });
+
+  function show(found, asked) {
+    const outcomes = Object.entries(found.summary).map(([name, count]) => h("span", { class: `chip o-${name}` }, `${count} ${name.replace("_", " ")}`));
+    const problems = found.diagnostics.filter((one) => one.severity !== "note");
+    fill(body, h("p", { class: "verdict" }, h("b", { class: found.ok ? "good" : "bad" }, found.ok ? "\u2713 ok" : "\u2717"), " ", `${found.project}, ${found.target} `, outcomes),
+      problems.map((one) => h("p", { class: one.severity === "error" ? "bad" : "" }, `${one.code}: ${one.message}`)),
+      found.groups.map((group) => h("details", { open: group.checks.some((one) => one.outcome === "error") || group.name === "execution" },
+        h("summary", {}, h("b", {}, group.title), h("small", {}, ` ${group.checks.length}, ${group.checks.filter((one) => one.outcome === "error").length} error`)),
+        table([word("subject"), word("check"), word("result")], group.checks.map((one) => row(one, asked)), "dense"))),
+      h("details", {}, h("summary", {}, word("ledger")), table([word("subject"), word("meaning"), word("source"), ""], found.ledger.map((one) => h("tr", {},
+        h("td", {}, one.subject), h("td", {}, one.text), h("td", {}, one.source), h("td", {}, one.grade))), "dense")));
+  }
+
+  function row(one, asked) {
+    const room = h("div", {});
+    const opened = async (scenario) => {
+      const given = { name: asked.name, text: asked.text, origin: asked.origin, check: one.id, scenario };
+      const found = await attempt(() => ask("replay", given));
+      if (found) fill(room, replayed(found));
+    };
+    const button = (scenario) => h("button", { class: "open-run", onclick: () => opened(scenario) }, `${word("openRun")}${scenario ? `: ${scenario}` : ""}`);
+    return h("tr", { class: one.outcome === "error" ? "danger" : "" }, h("td", {}, one.subject),
+      h("td", {}, one.text, one.diagnostic ? h("div", { class: "bad" }, `${one.diagnostic.code}: ${one.diagnostic.message}`, h("small", {}, ` ${one.diagnostic.help}`)) : null,
+        one.runs ? h("div", {}, (one.failed.length ? one.failed : [""]).map(button), room) : null),
+      h("td", { class: `o-${one.outcome.replace(" ", "_")}` }, one.outcome === "error" ? "error" : one.verdict));
+  }
+
+  return {
+    key: "verify", title: "tabVerify",
+    content: h("div", { class: "stack" }, h("div", { class: "bar views" }, field(word("source"), origin), field(word("effort"), effort), start, cancel, bar, told), body),
+  };
+}
+
+function replayed(found) {
+  const decoded = h("div", {});
+  const lanes = new Lanes((scan) => {
+    lanes.go(scan);
+    const one = found.exchanges.findLast((each) => each.scan === scan);
+    if (one) decode(one);
+  });
+  const decode = async (one) => {
+    if (!one.hex) return;
+    const told = await attempt(() => ask("explain", { text: one.hex }));
+    if (told?.telegrams) fill(decoded, told.telegrams.map((each) => telegramTable(each, word)));
+  };
+  const series = (place) => found.calls.map((call, at) => [call[0], call[place], found.calls[at - 1]?.[place]]).filter(([, now, before]) => now !== before);
+  const list = [["execute", 2, "main"], ["busy", 3, "note"], ["done", 4, "good"], ["error", 5, "bad"]].map(([title, place, style]) => ({ title, group: "", kind: "bool", style, series: series(place) }));
+  list.push({ title: "status", group: "", kind: "state", series: series(6) });
+  list.push({ title: word("telegrams").toLowerCase(), group: "", kind: "mark", style: "main", series: found.exchanges.map((one) => [one.scan, true]) });
+  const room = h("div", { class: "replay" },
+    h("p", {}, h("b", {}, found.scenario), " ", found.failure ? h("span", { class: "bad" }, `${word("scan")} ${found.failure.scan}: ${found.failure.text} (${found.failure.file}:${found.failure.line})`) : ""),
+    lanes.box, h("div", { class: "wire" }, found.exchanges.slice(-40).map((one) => h("button", { class: "row", onclick: () => { lanes.go(one.scan); decode(one); } },
+      h("span", { class: "n" }, String(one.scan)), h("span", {}, one.direction === "write" || one.direction === ">" ? "\u2192" : "\u2190"), h("span", { class: "hex" }, one.hex || "\u2026")))), decoded);
+  requestAnimationFrame(() => {
+    lanes.show(list, found.calls.length, false);
+    lanes.go(found.failure ? found.calls.length : 1);
+  });
+  return room;
+}

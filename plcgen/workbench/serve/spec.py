@@ -1,0 +1,195 @@
+"""What the tab of the spec asks: problems, completion, hover, form; plain data, places as editors count them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any
+
+from plcgen.base.diagnostics import Diagnostic, Severity, Span
+from plcgen.ds47.devices import Catalogue, device_names
+from plcgen.s7.types.families import FAMILIES
+from plcgen.workbench.serve.edits import NAME, Document, add_parameter
+from plcgen.workbench.serve.room import Room, wrong
+from plcgen.workbench.service.documents import Document as Opened
+from plcgen.workbench.service.positions import from_utf16, to_utf16
+from plcgen.workbench.service.results import Edit, Finding
+from plcgen.workbench.service.specs.drives import drives_at, in_full, in_short, known_drive, spelled
+from plcgen.workbench.service.specs.state import SpecState
+from plcgen.workbench.starter import KINDS, job_lines, ppi_starter, starter
+
+MOST = 60
+"""Parameters that a search shows."""
+
+
+def problem_data(diagnostic: Diagnostic, rename: Callable[[str], str] = str) -> dict[str, Any]:
+    """A diagnostic without a place in an editor."""
+    return {
+        "code": diagnostic.code,
+        "severity": diagnostic.severity.label,
+        "message": diagnostic.message,
+        "help": diagnostic.help,
+        "file": rename(diagnostic.span.file),
+        "line": diagnostic.span.line,
+        "column": diagnostic.span.column,
+    }
+
+
+def place(lines: Sequence[str], span: Span) -> list[int]:
+    """Line and character of both ends, from 0, in UTF-16 units."""
+    first = to_utf16(lines, span.line, span.column)
+    last = to_utf16(lines, span.end_line or span.line, span.end_column or span.column + 1)
+    return [*first, *last]
+
+
+def findings(room: Room, document: Opened, found: Iterable[Finding]) -> list[dict[str, Any]]:
+    """Problems with their places in the text, those of other files at its beginning."""
+    return [
+        {
+            **problem_data(one.diagnostic, room.shown),
+            "here": one.diagnostic.span.file == document.file,
+            "place": place(
+                document.lines, one.diagnostic.span if one.diagnostic.span.file == document.file else Span("")
+            ),
+            "reason": one.reason,
+            "remedy": one.remedy,
+            "fixes": [{"title": fix.title, "edits": edits(document, fix.edits)} for fix in one.fixes],
+        }
+        for one in sorted(found, key=lambda one: (-one.diagnostic.severity, one.diagnostic.sort_key))
+    ]
+
+
+def edits(document: Opened, found: Iterable[Edit]) -> list[dict[str, Any]]:
+    """Edits of this text; a fix that would need another file is none here."""
+    return [
+        {"place": place(document.lines, edit.span), "text": edit.text}
+        for edit in found
+        if edit.span.file == document.file
+    ]
+
+
+def caret(document: Opened, line: int, character: int) -> tuple[int, int]:
+    """A place of an editor as line and column."""
+    return from_utf16(document.lines, line, character)
+
+
+def outline(state: SpecState) -> dict[str, Any]:
+    """What the form shows: drives and jobs as the text has them, and whether jobs can be added here."""
+    drives = []
+    for _, key in state.names("drives"):
+        known = known_drive(state, key)
+        drives.append(
+            {"key": key, "device": known.device.key if known else "", "title": known.device.title if known else ""}
+        )
+    jobs = [{"key": key, "drives": _of(state, path), "path": list(path)} for path, key in state.names("jobs")]
+    stations = [{"key": str(path[-1]), "line": str(path[1])} for path, _ in state.names("ppi", "*", "stations")]
+    jobs += [{"key": key, "drives": [], "path": list(path)} for path, key in state.names("ppi", "*", "jobs")]
+    return {"drives": drives, "jobs": jobs, "stations": stations}
+
+
+def _of(state: SpecState, path: Sequence[str | int]) -> list[str]:
+    return [one.key for one in drives_at(state, tuple(path))]
+
+
+def search(state: SpecState, job: str, words: str) -> dict[str, Any]:
+    """Parameters of the drives of a job (of all drives without one), by number, name or words of the title."""
+    keys = [key for _, key in state.names("drives")]
+    known = drives_at(state, ("jobs", job)) if job else [drive for key in keys if (drive := known_drive(state, key))]
+    rows: dict[int, dict[str, Any]] = {}
+    for drive in known:
+        for one in drive.matching(words.strip()):
+            if len(rows) >= MOST:
+                break
+            danger = drive.device.danger(one.pnu) if "w" in one.access else ""
+            rows.setdefault(
+                one.pnu,
+                {
+                    "parameter": spelled(one),
+                    "text": in_short(one),
+                    "device": drive.device.key,
+                    "writable": "w" in one.access,
+                    "danger": danger,
+                    "facts": [list(fact) for fact in in_full(one)],
+                },
+            )
+    return {"parameters": list(rows.values()), "messages": list(_messages(words, known)), "more": len(rows) >= MOST}
+
+
+def _messages(words: str, known: Iterable[Any]) -> Iterator[dict[str, str]]:
+    """The message of a number such as F30001, of each device of the spec."""
+    from plcgen.ds47.lookup import message_page
+
+    for key in dict.fromkeys(drive.device.key for drive in known):
+        page = message_page(words.strip(), key)
+        if page is not None:
+            yield {"key": page.key, "title": page.title, "device": key, "text": "\n".join(page.sections[0])}
+
+
+def change(state: SpecState, name: str, what: str, given: dict[str, str]) -> str:
+    """The text of a spec after the form has added a drive, a job or a parameter."""
+    document = Document(state.document.text, name)
+    key = given.get("key", "").strip()
+    if what == "parameter":
+        writes = given.get("access") == "write"
+        return add_parameter(document, given.get("job", "").split("/"), given.get("parameter", ""), writes=writes)
+    if not NAME.match(key):
+        raise wrong(name, f'"{key}" is no name', "up to 24 letters, digits and _, a letter first")
+    if what == "drive":
+        return document.add(["drives"], key, _drive(state, name, given))
+    if what == "job" and given.get("station"):
+        line, _, station = given["station"].partition("/")
+        access = "write: {VW200: }" if given.get("kind") == "write" else "read: [VW100]"
+        return document.add(["ppi", line, "jobs"], key, f"{{station: {station}, {access}}}")
+    known = known_drive(state, given.get("drive", ""))
+    if known is None:
+        raise wrong(name, f'there is no drive "{given.get("drive", "")}"', "add a drive first")
+    return document.add(["jobs"], key, f"{{drive: {known.key}, {job_lines(given.get('kind', 'read'), known.device)}}}")
+
+
+def _drive(state: SpecState, name: str, given: dict[str, str]) -> str:
+    """A drive in one line, addressed as its family does it."""
+    from plcgen.base.diagnostics import Report
+
+    report = Report()
+    device = Catalogue(state.document.path.parent).find(given.get("device", ""), Span(name), report)
+    if device is None:
+        raise wrong(name, next(iter(report)).message if len(report) else "there is no such device")
+    address = given.get("address", "").strip() or "270"
+    if not address.isdecimal():
+        raise wrong(name, f'"{address}" is no address', "a number of the hardware configuration")
+    classic = state.project is not None and state.project.target.family in {"s7-300", "s7-400"}
+    where = f"{'address' if classic else 'hardware_id'}: {address}"
+    return f"{{device: {device.key}, {where}, drive_object: {device.drive_object}}}"
+
+
+def new_spec(name: str, given: dict[str, str], folder: Any) -> str:
+    """The text of a starter spec."""
+    from plcgen.base.diagnostics import DiagnosticError, Report
+    from plcgen.project.target import combination_problem
+
+    family, tool = given.get("family", "s7-1500"), given.get("toolchain", "tia-v17")
+    problem = combination_problem(family, tool) if family in FAMILIES else f"{family} is no family"
+    if problem:
+        raise wrong(name, problem)
+    if given.get("device") == "ppi":
+        return ppi_starter(name, family, tool)
+    report = Report()
+    device = Catalogue(folder).find(given.get("device", ""), Span(name), report)
+    if device is None:
+        raise DiagnosticError(report)
+    return starter(name, device, family, tool)
+
+
+def choices() -> dict[str, Any]:
+    """What the forms offer."""
+    from typing import get_args
+
+    from plcgen.ds47.devices import find_device
+    from plcgen.project.schema import Toolchain
+
+    return {
+        "devices": [{"key": key, "title": find_device(key).title} for key in device_names()],
+        "families": list(FAMILIES),
+        "toolchains": list(get_args(Toolchain)),
+        "kinds": ["read", "write", *(kind for kind in KINDS if kind != "recipe")],
+        "severities": [severity.label for severity in reversed(Severity)],
+    }
