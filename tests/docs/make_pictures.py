@@ -1,4 +1,4 @@
-"""Makes the screenshots in docs/pictures: review pages of the FAQ's example and of a plant with 20 drives; the workbench."""
+"""Makes the screenshots in docs/pictures: review pages of the FAQ's example and of a large plant; the workbench."""
 
 from __future__ import annotations
 

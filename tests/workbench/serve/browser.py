@@ -20,7 +20,7 @@ from typing import Any
 
 from tests.chromium import chromium
 
-PATIENCE = 30.0
+PATIENCE = 90.0
 """Seconds until something must have happened; machines are loaded."""
 _KEYS = {
     "Enter": 13,

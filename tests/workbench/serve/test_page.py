@@ -66,7 +66,7 @@ def test_a_mistake_is_seen_explained_and_corrected(browser: Page) -> None:
     """Typed in the editor: a mark and a problem; its button puts the word right; Ctrl+Z takes that back."""
     browser.click(".cm-line", "drives:")
     browser.press("End")
-    browser.type("\n  fan: {devce: sinamics-g120, hardware_id: 271}")
+    browser.type("\nfan: {devce: sinamics-g120, hardware_id: 271}")
     browser.sees("#problems .error", 'unknown key "devce"')
     browser.wait("!!document.querySelector('.cm-lintRange-error')")
     browser.click("#problems .fix", "device")
@@ -112,7 +112,7 @@ def test_bytes_members_and_lines_are_marked_together(browser: Page) -> None:
     """The number of P1120 (0460h): its bytes, its row with the address, its line in the source."""
     browser.click("#tab-becomes")
     browser.sees("#side", "set_ramps")
-    browser.point(".message tr[data-offset]", "0460")
+    browser.point(".message tr[data-offset]", "04 60")
     browser.wait("document.querySelectorAll('.message .byte.marked').length === 2")
     marked = browser.evaluate("[...document.querySelectorAll('.byte.marked')].map((one) => one.innerText)")
     assert marked == ["04", "60"]
@@ -171,11 +171,12 @@ def test_a_failed_check_opens_its_run(browser: Page, folder: Path) -> None:
     browser.click("#write-now")
     browser.sees("#notices", "written")
     (source,) = (folder / "s7-1500_g120_pn_generated").glob("*.scl")
-    broken = source.read_text("utf-8").replace("#error := NOT #done;", "#error := FALSE;")
+    broken = source.read_text("utf-8").replace("#done := #tempResult = #STATUS_DONE;", "#done := FALSE;")
     assert broken != source.read_text("utf-8")
     source.write_text(broken, "utf-8")
     browser.click("#tab-verify")
     browser.fill("#verify-files", "disk")
+    browser.fill("#effort", "none")
     browser.click("#verify-start")
     browser.sees("#verified .verdict", "\u2717")
     browser.click(".open-run", "Open run")
@@ -292,5 +293,5 @@ def test_a_page_of_another_site_reaches_nothing(address: str, folder: Path, tmp_
         found.wait("window.found !== undefined")
         results = found.evaluate("window.found")
         other.shutdown()
-    assert results == {"read": "refused", "save": "opaque", "page": "refused", "script": "refused", "inside": ""}
+    assert results == {"read": "refused", "save": "refused", "page": "refused", "script": "refused", "inside": ""}
     assert not (folder / "x.yaml").exists()

@@ -11,7 +11,7 @@ import { reviewTab } from "./review.js";
 import { toolsTab } from "./tools.js";
 
 export const desk = {
-  folder: null, name: "", known: "", saved: "", editor: null, checked: null,
+  folder: null, name: "", known: "", saved: "", editor: null, checked: null, writes: 0,
   get text() { return this.editor.text; },
   get dirty() { return this.name !== "" && (this.known === "" || this.text !== this.saved); },
   get now() { return { name: this.name, text: this.text }; },
@@ -113,6 +113,7 @@ async function write() {
     const asked = { ...desk.now, known: desk.known };
     const done = await attempt(() => ask("write", asked));
     if (!done) return;
+    desk.writes += 1;
     await written(asked.text, done.known);
     for (const one of done.problems) tell(`${one.code}: ${one.message}${one.file ? ` (${one.file})` : ""}`, one.severity, one.help);
     if (done.ok) tell(`${done.folder}: ${done.written.length} ${word("written")}, ${done.unchanged} ${word("unchanged")}, ${done.removed.length} ${word("removed")}`);

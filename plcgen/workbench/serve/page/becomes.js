@@ -21,7 +21,7 @@ export function becomesTab(desk) {
       return;
     }
     const now = desk.now;
-    if (asked && asked.text === now.text && asked.name === now.name && asked.known === desk.known) return draw();
+    if (asked && asked.text === now.text && asked.name === now.name && asked.writes === desk.writes) return draw();
     asking.abort();
     asking = new AbortController();
     body.setAttribute("aria-busy", "true");
@@ -29,7 +29,7 @@ export function becomesTab(desk) {
     if (!found || now.text !== desk.text) return;
     body.removeAttribute("aria-busy");
     made = found;
-    asked = { ...now, known: desk.known };
+    asked = { ...now, writes: desk.writes };
     draw();
   }
 

@@ -70,7 +70,8 @@ class Code {
   open(text) { this.view.setState(this.state(text)); }
   change(text) {
     const changes = difference(this.text, text);
-    this.view.dispatch({ changes, selection: { anchor: changes.from + changes.insert.length }, scrollIntoView: true });
+    const selection = { anchor: changes.from + changes.insert.length };
+    this.view.dispatch({ changes, selection, scrollIntoView: true, annotations: this.cm.isolateHistory.of("full") });
   }
   at(line, character) {
     const doc = this.view.state.doc;
@@ -81,7 +82,7 @@ class Code {
   range(place) { return { from: this.at(place[0], place[1]), to: this.at(place[2], place[3]) }; }
   apply(edits) {
     const changes = sorted(edits).reverse().map((one) => ({ ...this.range(one.place), insert: one.text }));
-    this.view.dispatch({ changes });
+    this.view.dispatch({ changes, annotations: this.cm.isolateHistory.of("full") });
   }
   problems(found) {
     const marks = found.filter((one) => one.here && one.line).map((one) => {
