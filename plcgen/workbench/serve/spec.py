@@ -11,7 +11,7 @@ from plcgen.s7.types.families import FAMILIES
 from plcgen.workbench.serve.edits import NAME, Document, add_parameter
 from plcgen.workbench.serve.room import Room, wrong
 from plcgen.workbench.service.documents import Document as Opened
-from plcgen.workbench.service.positions import from_utf16, to_utf16
+from plcgen.workbench.service.positions import from_units, to_units
 from plcgen.workbench.service.results import Edit, Finding
 from plcgen.workbench.service.specs.drives import drives_at, in_full, in_short, known_drive, spelled
 from plcgen.workbench.service.specs.state import SpecState
@@ -36,8 +36,8 @@ def problem_data(diagnostic: Diagnostic, rename: Callable[[str], str] = str) -> 
 
 def place(lines: Sequence[str], span: Span) -> list[int]:
     """Line and character of both ends, from 0, in UTF-16 units."""
-    first = to_utf16(lines, span.line, span.column)
-    last = to_utf16(lines, span.end_line or span.line, span.end_column or span.column + 1)
+    first = to_units(lines, span.line, span.column)
+    last = to_units(lines, span.end_line or span.line, span.end_column or span.column + 1)
     return [*first, *last]
 
 
@@ -69,7 +69,7 @@ def edits(document: Opened, found: Iterable[Edit]) -> list[dict[str, Any]]:
 
 def caret(document: Opened, line: int, character: int) -> tuple[int, int]:
     """A place of an editor as line and column."""
-    return from_utf16(document.lines, line, character)
+    return from_units(document.lines, line, character)
 
 
 def outline(state: SpecState) -> dict[str, Any]:

@@ -66,7 +66,7 @@ def test_a_mistake_is_seen_explained_and_corrected(browser: Page) -> None:
     """Typed in the editor: a mark and a problem; its button puts the word right; Ctrl+Z takes that back."""
     browser.click(".cm-line", "drives:")
     browser.press("End")
-    browser.type("\nfan: {devce: sinamics-g120, hardware_id: 271}")
+    browser.type("\n  fan: {devce: sinamics-g120, hardware_id: 271}")
     browser.sees("#problems .error", 'unknown key "devce"')
     browser.wait("!!document.querySelector('.cm-lintRange-error')")
     browser.click("#problems .fix", "device")
