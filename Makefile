@@ -9,7 +9,7 @@ READY := $(VENV)/.ready
 unexport PYTHONDONTWRITEBYTECODE
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
-.PHONY: demo test fast coverage lint hostile fuzz bench house pairs engine mutate deletions beliefs damages examples example-diff docs site pictures editor lock clean
+.PHONY: demo test fast coverage lint hostile fuzz bench house pairs engine mutate deletions beliefs damages examples example-diff docs site pictures editor vsix lock clean
 
 demo: $(READY)
 	$(BIN)/plcgen demo .demo
@@ -103,6 +103,13 @@ site:
 	  $(SITE)/pip install --quiet --disable-pip-version-check -r .venv-site/site.in .; }
 	NO_MKDOCS_2_WARNING=1 $(SITE)/mkdocs build --strict --config-file .github/mkdocs.yml
 
+# The extension for VS Code, dist/plcgen.vsix; needs npm. What it runs with is locked, vsce only packs it.
+vsix:
+	@rm -rf .vsix && cp -r docs/editors/vscode .vsix && cp LICENSE .vsix && mkdir -p dist
+	cd .vsix && npm ci --silent --no-audit --no-fund --ignore-scripts && \
+	  npx --yes @vscode/vsce@3.6.2 package --no-git-tag-version --allow-missing-repository --out ../dist/plcgen.vsix >.log 2>&1 || \
+	  { cat .log; exit 1; }
+
 # Screenshots of review pages for the documentation; needs Chromium.
 pictures: $(READY)
 	$(BIN)/python -m tests.docs.make_pictures
@@ -136,4 +143,4 @@ $(READY): requirements.lock pyproject.toml
 	@touch $@
 
 clean:
-	rm -rf .venv .venv-* site .coverage .demo .examples build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf .venv .venv-* .vsix site .coverage .demo .examples build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

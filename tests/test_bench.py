@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.bench import cpu_speed, scale, scl_speed
+from tests.bench import cpu_speed, editing, scale, scl_speed
 from tests.bench.specs import grid, many_jobs
 
 
@@ -37,6 +37,14 @@ def test_the_front_end_beside_its_peers(capsys: pytest.CaptureFixture[str]) -> N
     out = capsys.readouterr().out
     assert "not installed" not in out
     assert out.count("ratio") == 3
+
+
+@pytest.mark.slow
+def test_an_edit_beside_a_check(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """Four questions of each of the two files, every one with a goal."""
+    monkeypatch.setattr(editing, "median", lambda run, _: (run(), 1.0)[1])
+    editing.main()
+    assert capsys.readouterr().out.count("ratio 1.00") == 8
 
 
 def test_the_largest_plants_fit_an_engine() -> None:

@@ -7,6 +7,7 @@ import sys
 from plcgen.__main__ import collect_rarely
 from tests.bench import (
     codec,
+    editing,
     generation,
     layout_speed,
     plants,
@@ -35,6 +36,7 @@ def main(*, short: bool = False) -> None:
     print("start-up, whole processes, medians of CPU time")
     for row in startup.table(3 if short else 11):
         print(f"  {row}")
+    editing.main(short=short)
     if short:
         scale.main((100,))
         return

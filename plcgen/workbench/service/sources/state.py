@@ -18,7 +18,7 @@ from plcgen.project.allowances import allowances, settled
 from plcgen.s7.cpu.sources import SUFFIXES, check_text, find_sources
 from plcgen.s7.read.text import load_text, parse_source
 from plcgen.s7.scl import ast
-from plcgen.s7.scl.lexer import NAME, QUOTED, Tokens
+from plcgen.s7.scl.lexer import NAME, QUOTED, Tokens, tokenize
 from plcgen.s7.scl.parser import ParseResult
 from plcgen.s7.types.blocks import Block
 from plcgen.workbench.service.documents import Document, Documents
@@ -55,6 +55,11 @@ class SourceState:
     def tokens(self) -> Tokens:
         """Its tokens."""
         return self._read[0].tokens
+
+    @property
+    def lexed(self) -> Tokens:
+        """Its tokens, without a tree if nobody has asked for one."""
+        return self.tokens if "_read" in self.__dict__ else tokenize(self.document.text, self.document.file)
 
     @property
     def blocks(self) -> Sequence[Block]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Span
@@ -24,6 +25,7 @@ from plcgen.s7.scl.lexer import (
     STRING,
     TYPED,
     Comment,
+    Tokens,
 )
 from plcgen.s7.tables.tables import member_address, size_text
 from plcgen.s7.types.blocks import Block, BlockKind, SectionKind, block_title
@@ -221,37 +223,43 @@ _WORD_OPERATORS = {"AND", "OR", "XOR", "NOT", "MOD", "DIV"}
 
 def tokens(state: SourceState) -> Iterator[Token]:
     """Every token and every comment in its colour, line by line, in order."""
-    found = state.tokens
+    found = state.lexed
+    end = 0
     for at, kind in enumerate(found.kinds):
-        for gap in found.trivia_before(at):
-            if gap.text != "\n":
-                yield from _lines(state, gap, "comment")
-        colour = _colour(state, at, kind)
+        if found.source[end : found.starts[at]].strip():
+            for gap in found.trivia_before(at):
+                if gap.text != "\n":
+                    yield from _lines(found, gap, "comment")
+        colour = _colour(found, at, kind)
         if colour is not None:
-            yield from _lines(state, Comment(found.texts[at], found.starts[at]), colour)
+            yield from _lines(found, Comment(found.texts[at], found.starts[at]), colour)
+        end = found.end(at)
 
 
-def _colour(state: SourceState, at: int, kind: str) -> TokenKind | None:
-    kinds, texts = state.tokens.kinds, state.tokens.texts
-    if at and kinds[at - 1] == ".":
+def _colour(found: Tokens, at: int, kind: str) -> TokenKind | None:
+    if at and found.kinds[at - 1] == ".":
         return "property"
     if kind in _WORD_OPERATORS:
         return "operator"
     if kind != NAME:
-        return _KINDS.get(kind, None if kind == ERROR or not texts[at] else "operator")
-    upper = texts[at].upper()
-    if elementary(upper) is not None or upper in {"STRING", "WSTRING", "VOID"}:
+        return _KINDS.get(kind, None if kind == ERROR or not found.texts[at] else "operator")
+    return _name_colour(found.texts[at].upper(), called=found.kinds[at + 1] == "(")
+
+
+@lru_cache(maxsize=4096)
+def _name_colour(name: str, *, called: bool) -> TokenKind:
+    if elementary(name) is not None or name in {"STRING", "WSTRING", "VOID"}:
         return "type"
-    if kinds[at + 1] == "(" and (upper in INSTRUCTIONS or upper in FUNCTIONS or system_block(upper) is not None):
+    if called and (name in INSTRUCTIONS or name in FUNCTIONS or system_block(name) is not None):
         return "function"
-    return "function" if re.fullmatch(r"\w+_TO_\w+", upper) else "variable"
+    return "function" if re.fullmatch(r"\w+_TO_\w+", name) else "variable"
 
 
-def _lines(state: SourceState, part: Comment, kind: TokenKind) -> Iterator[Token]:
+def _lines(found: Tokens, part: Comment, kind: TokenKind) -> Iterator[Token]:
     """A part of the text, cut at line ends."""
     offset = part.start
     for text in part.text.split("\n"):
         if text.strip():
-            line, column = state.tokens.position(offset)
-            yield Token(Span(state.tokens.file, line, column, line, column + len(text)), kind)
+            line, column = found.position(offset)
+            yield Token(Span(found.file, line, column, line, column + len(text)), kind)
         offset += len(text) + 1
