@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from pathlib import Path
 
 import pytest
@@ -368,3 +369,83 @@ def test_edits_leave_nothing(desk: Desk) -> None:
     assert len(kept) <= 3
     desk.workspace.close(document.path)
     assert not list(desk.workspace.documents)
+
+
+# --- stations --------------------------------------------------------------------------------------------------------
+
+LINE = """plc: {name: Line, family: s7-1200, toolchain: tia-v19}
+ppi:
+  pumps:
+    module: cm1241
+    port: 270
+    baud: 9600
+    stations:
+      one: {address: 2, symbols: {level: VD104}}
+      two: {address: 3, symbols: two.csv}
+    jobs:
+      first: {station: one, read: [level]}
+      second: {station: two, write: {speed: null}}
+"""
+
+
+def test_symbols_of_that_station(desk: Desk) -> None:
+    """Those of the spec, or of the table of Micro/WIN that the station names; hover says where they lie."""
+    (desk.folder / "two.csv").write_text("Symbol,Address,Comment\nspeed,VW112,of the fan\n", "utf-8")
+    assert desk.offers(LINE.replace("[level]", "[|]"))["level"] == ("level", "VD104")
+    assert desk.offers(LINE.replace("{speed: null}", "{|}"))["speed"] == ("speed: ", "VW112 of the fan")
+    assert "Address: VD104" in desk.hover(LINE.replace("[level]", "[lev|el]"))
+    assert "of the fan" in desk.hover(LINE.replace("{speed", "{sp|eed"))
+    assert "PPI address: 3" in desk.hover(LINE.replace("station: two", "station: t|wo"))
+
+
+def test_hover_of_a_job_on_the_line(desk: Desk) -> None:
+    """A read of PPI begins with 68h, its length twice, 68h; it goes to station 2 (PPI, frame SD2)."""
+    found = desk.hover(LINE.replace("first:", "fi|rst:").replace("two.csv", "{speed: VW112}"))
+    assert "68h = start delimiter SD2" in found
+    assert "With: one" in found
+
+
+# --- whatever is typed -----------------------------------------------------------------------------------------------
+
+PIECES = (
+    "{",
+    "[",
+    "]",
+    "}",
+    '"',
+    "'",
+    ": ",
+    "- ",
+    "\n",
+    "  ",
+    "*a",
+    "&b ",
+    "|\n",
+    "$(",
+    "#",
+    "\t",
+    "\u2028",
+    "\ud800",
+    "<<: ",
+)
+
+
+@pytest.mark.parametrize("path", SPECS, ids=lambda path: path.stem)
+def test_nothing_that_is_typed_fails(path: Path, desk: Desk) -> None:
+    """Parts taken out, doubled and put in at places that are drawn: every question has an answer."""
+    drawn, text = random.Random(path.stem), path.read_text("utf-8")  # noqa: S311 - the same damages in every run
+    for n in range(12):
+        start = drawn.randrange(len(text))
+        end = min(start + drawn.randrange(60), len(text))
+        piece = ("", drawn.choice(PIECES), text[end : end + 30])[n % 3]
+        broken = text[:start] + piece + text[start if piece else end :]
+        document = desk.workspace.open(desk.folder / "plant.yaml", broken)
+        line, column = text.count("\n", 0, start) + 1, start - text.rfind("\n", 0, start)
+        desk.workspace.diagnostics(document)
+        for at in ((line, column), (line, column + len(piece)), (line + 1, 3)):
+            desk.workspace.complete(document, *at)
+            desk.workspace.hover(document, *at)
+            desk.workspace.definition(document, *at)
+            desk.workspace.references(document, *at)
+        desk.workspace.outline(document)
+        desk.workspace.format(document)

@@ -22,6 +22,7 @@ from plcgen.workbench.service.specs.names import name_at
 from plcgen.workbench.service.specs.offers import names_parameters, parameter_at, said_of
 from plcgen.workbench.service.specs.shape import spec_shape
 from plcgen.workbench.service.specs.sketch import Path, Spot
+from plcgen.workbench.service.specs.stations import names_items, station_page, symbol_page
 
 if TYPE_CHECKING:
     from plcgen.build.sheet import Message
@@ -61,9 +62,13 @@ def _pages(state: SpecState, spot: Spot, line: int, column: int) -> Iterator[Pag
             yield Page(name.text, "variable", (("Value", state.sketch.value("variables", name.text)),))
         if name.kind.word == "drive":
             yield _drive(state, name.text)
+        if name.kind.word == "station":
+            yield station_page(state, (*name.bound, "stations", name.text))
         if name.kind.word == "job" and spot.role == "key":
             yield job_page(state, (*spot.path, spot.word))
     place: Path = (*spot.path, spot.word) if spot.role == "key" else spot.path
+    if names_items(spot.path, key=spot.role == "key"):
+        yield symbol_page(state, spot.path, spot.word)
     words = None if spot.role == "key" else spec_shape().words(place)
     if names_parameters(spot.path, words):
         yield _parameter(spot.word, drives_at(state, spot.path))
@@ -156,7 +161,8 @@ def job_page(state: SpecState, path: Path) -> Page | None:
     first = jobs[0]
     partners = ", ".join(dict.fromkeys(job.link.key for job in jobs[:20])) + (", .." if len(jobs) > 20 else "")
     sections = [("With", partners)]
-    sheets = [one for one in state.exchanges if one.job in {first.key, str(path[-1])} or one.job == _shape(first)]
+    called = {first.key, str(path[-1]), getattr(first, "shape", ""), f"{path[1]}.{path[-1]}"}
+    sheets = [one for one in state.exchanges if one.job in called]
     for one in sheets[:TELEGRAMS]:
         which = f" {one.number} of {one.count}" if one.count > 1 else ""
         sections.append((f"Request{which}", _bytes(one.request)))
@@ -169,10 +175,6 @@ def job_page(state: SpecState, path: Path) -> Page | None:
         sections.append(("The simulated drive answers", "\n".join(answers[:TELEGRAMS])))
     block = sheets[0].block if sheets else first.member
     return Page(str(path[-1]), f"{first.kind} · {block}", tuple(sections))
-
-
-def _shape(job: object) -> str:
-    return getattr(job, "shape", "")
 
 
 def _bytes(message: Message) -> str:

@@ -21,6 +21,7 @@ from plcgen.workbench.service.specs.names import named
 from plcgen.workbench.service.specs.shape import spec_shape
 from plcgen.workbench.service.specs.sketch import Path, Spot
 from plcgen.workbench.service.specs.state import matches
+from plcgen.workbench.service.specs.stations import names_items, symbols_at
 
 if TYPE_CHECKING:
     from plcgen.workbench.service.documents import Document
@@ -57,6 +58,7 @@ def _keys(state: SpecState, spot: Spot) -> Iterator[Offer]:
         yield from _parameters(state, spot, path, written=path[-1] == "write", key=True)
         known = {key: each for key, each in known.items() if key not in parameter_names()}
     yield from _members(state, spot)
+    yield from _symbols(state, spot, path, key=True)
     present = {str(one.path[-1]) for one in state.sketch.below(path) if one.key != spot.span}
     for key in known:
         if key not in present and key not in _other_kinds(path, present):
@@ -103,6 +105,7 @@ def _values(state: SpecState, spot: Spot, path: Path, lead: str) -> Iterator[Off
     if path[:1] == (INCLUDE,):
         yield from (_offer(state, spot, name, "file", lead=lead) for name in _files(state))
         return
+    yield from _symbols(state, spot, path, key=False, lead=lead)
     words = spec_shape().words(path)
     if words and names_parameters(path, words):
         yield from _parameters(state, spot, path, written="write" in path, key=False, lead=lead)
@@ -197,6 +200,15 @@ def _value_names(state: SpecState, spot: Spot, path: Path, lead: str) -> Iterato
         for name, number in {**one.doubted.get("values", {}), **one.values}.items():
             doubt = "" if grade == "read" else f" ({grade}: write the number)"
             yield _offer(state, spot, name, "value", detail=f"{number}{doubt}", text=one.title, lead=lead)
+
+
+def _symbols(state: SpecState, spot: Spot, path: Path, *, key: bool, lead: str = "") -> Iterator[Offer]:
+    """Symbols of the station that a job asks."""
+    if names_items(path, key=key):
+        for one in islice(symbols_at(state, path), MOST):
+            yield _offer(
+                state, spot, one.name, "name", detail=f"{one.address} {one.comment}".strip(), key=key, lead=lead
+            )
 
 
 def _members(state: SpecState, spot: Spot) -> Iterator[Offer]:
