@@ -63,6 +63,16 @@ def test_what_each_version_gets(toolchain: str, tmp_path: Path) -> None:
     assert bool(notes["xml/typeDriveUnit.xml"]) == (toolchain in {"tia-v14sp1", "tia-v15", "tia-v15.1"})
 
 
+def test_import_script_loads_what_each_version_has() -> None:
+    """Up to V20 one assembly, from V21 on Base and Step7 in net48, as Siemens' tia-portal-ai-extensions state it."""
+    script = (generated_example("s7-1500_g120_pn") / "xml/import.ps1").read_text("utf-8-sig")
+    assert "PublicAPI\\$version\\$name" in script
+    places = re.findall(r"\(\$name in ([^)]*)\)", script)
+    assert places[1] == r"'net48\Siemens.Engineering.Base.dll', 'Siemens.Engineering.dll'"
+    assert "Join-Path (Split-Path $first) 'Siemens.Engineering.Step7.dll'" in script
+    assert r"_InstalledSW\TIAP" in script
+
+
 def test_import_script_names_every_document_once_in_order() -> None:
     """Types, data blocks, function blocks, instance DBs, OB; the S7-300 gets no script."""
     folder = generated_example("s7-1500_g120_pn") / "xml"

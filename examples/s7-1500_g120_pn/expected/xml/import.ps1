@@ -33,8 +33,19 @@ $ErrorActionPreference = 'Stop'
 $order = Get-Content -LiteralPath (Join-Path $PSScriptRoot 'import.json') -Raw -Encoding UTF8 | ConvertFrom-Json
 $steps = @($order.steps)
 
+function Find-Libraries([string]$version) {
+    # One assembly up to V20; from V21 on one for each package, in the folder net48: blocks and tags are in Step7.
+    $first = Find-Library $version
+    $first
+    if ((Split-Path $first -Leaf) -eq 'Siemens.Engineering.Base.dll') {
+        $second = Join-Path (Split-Path $first) 'Siemens.Engineering.Step7.dll'
+        if (-not (Test-Path $second)) { throw "$second is missing: is STEP 7 of the TIA Portal $version installed?" }
+        $second
+    }
+}
+
 function Find-Library([string]$version) {
-    # The registry knows every installed Openness; the folder is the place of a default installation.
+    # The registry knows every installed Openness and TIA Portal; the last folder is that of a default installation.
     $number = $version.Substring(1) -replace ' SP\d$', ''
     if ($number -notlike '*.*') { $number = "$number.0" }
     $key = "HKLM:\SOFTWARE\Siemens\Automation\Openness\$number\PublicAPI"
@@ -46,9 +57,14 @@ function Find-Library([string]$version) {
             }
         }
     }
-    $folder = "$env:ProgramFiles\Siemens\Automation\Portal $version\PublicAPI\$version"
-    foreach ($name in 'Siemens.Engineering.dll', 'Siemens.Engineering.Base.dll') {
-        if (Test-Path "$folder\$name") { return "$folder\$name" }
+    $portals = @("$env:ProgramFiles\Siemens\Automation\Portal $version")
+    $key = "HKLM:\SOFTWARE\Siemens\Automation\_InstalledSW\TIAP$($number -replace '\.0$', '')\Global"
+    if (Test-Path $key) { $portals = @((Get-Item $key).GetValue('Path')) + $portals }
+    foreach ($place in $portals) {
+        foreach ($name in 'net48\Siemens.Engineering.Base.dll', 'Siemens.Engineering.dll') {
+            $path = "$place\PublicAPI\$version\$name"
+            if ($place -and (Test-Path $path)) { return $path }
+        }
     }
     throw "TIA Portal $version with Openness was not found. Give the installed version with -TiaVersion."
 }
@@ -125,7 +141,7 @@ function Import-Document($software, [string]$kind, [string]$file, $option) {
 $portal = $null
 $opened = $false
 try {
-    Add-Type -Path (Find-Library $TiaVersion)
+    foreach ($library in @(Find-Libraries $TiaVersion)) { Add-Type -Path $library }
     $running = [Siemens.Engineering.TiaPortal]::GetProcesses() | Select-Object -First 1
     if ($running) { $portal = $running.Attach() }
     elseif ($Project) {
