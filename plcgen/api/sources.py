@@ -84,10 +84,13 @@ def _source_tables(
     from plcgen.s7.read.files import read_files
     from plcgen.s7.tables.declared import block_tables
     from plcgen.s7.types.system import family_types
-    from plcgen.s7.xml.reading.exported import compare_offsets
+    from plcgen.s7.xml.reading.exported import Stated, compare_offsets, document_offsets
 
+    stated: dict[str, dict[str, list[Stated]]] = {}
     classic = family in {"s7-300", "s7-400"}
-    files = read_files(paths, classic=classic)
+    files = read_files(
+        paths, classic=classic, seen=lambda file, root: stated.update({file: document_offsets(file, root)})
+    )
     report.extend(files.diagnostics)
     known = {(d.code, d.span) for d in files.diagnostics}
     circles = any(d.code == "PG807" for d in files.diagnostics)
@@ -101,7 +104,7 @@ def _source_tables(
         chosen = [b for b in part.blocks if not block or _is_called(b.name, b.kind.value, b.number, block)]
         found, problems = block_tables(chosen, part.types, expand=expand)
         tables += [replace(table, name=f"{plc}/{table.name}") if plc else table for table in found]
-        differences, same = compare_offsets(chosen, part.types)
+        differences, same = compare_offsets(chosen, part.types, stated)
         agreed += same
         report.extend(differences)
         report.extend(d for d in problems if (d.code, d.span) not in known and not (circles and d.code == "PG807"))

@@ -7,6 +7,7 @@ import sys
 from plcgen.__main__ import collect_rarely
 from tests.bench import (
     codec,
+    diff_speed,
     editing,
     generation,
     layout_speed,
@@ -51,6 +52,7 @@ def main(*, short: bool = False) -> None:
     ppi.main()
     simaticml_reading.main()
     layout_speed.main()
+    diff_speed.main()
     work_memory.main()
     plants.main()
     scale.main()

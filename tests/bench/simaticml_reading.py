@@ -24,7 +24,7 @@ SIZES = (1, 5, 20)
 """Megabytes."""
 
 ROUNDS = 7
-GOAL = 5.0
+GOAL = 4.0
 SETTING = Setting(VERSIONS["V19"], classic=False)
 
 

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
+from plcgen.base.frozen import frozen
+
 
 class Severity(enum.IntEnum):
     """How bad it is: an error stops the verb, a warning does not, a note only informs."""
@@ -21,7 +23,7 @@ class Severity(enum.IntEnum):
         return self.name.lower()
 
 
-@dataclass(frozen=True, slots=True, order=True)
+@frozen
 class Span:
     """A region of a text file; lines and columns count from 1, in characters; the end is exclusive.
 

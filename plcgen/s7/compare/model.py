@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from plcgen.base.diagnostics import Diagnostic, Span, has_errors
+from plcgen.base.frozen import frozen
 from plcgen.s7.compare.policy import Level, fails
 from plcgen.s7.read.code import Code
 from plcgen.s7.types.blocks import block_title
@@ -40,7 +41,7 @@ def path_name(path: str) -> str:
     return path_steps(path)[-1].strip('"') if path else ""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class MemberState:
     """One declared member with what is nested in it.
 

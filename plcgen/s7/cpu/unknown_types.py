@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from plcgen.base.diagnostics import Diagnostic, Severity, Span
+from plcgen.base.diagnostics.suggest import Vocabulary
 from plcgen.s7.cpu.linkage import Linkage
 from plcgen.s7.layout.shapes import NO_MEMORY, near_type
 from plcgen.s7.scl.dialect import Dialect
@@ -15,6 +16,7 @@ from plcgen.s7.scl.instructions import INSTRUCTIONS
 from plcgen.s7.scl.system_types import SYSTEM_TYPES
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.types.data_types import (
+    ELEMENTARY,
     ArrayType,
     DataType,
     Elementary,
@@ -44,6 +46,8 @@ def add_unknown_types(link: Linkage) -> list[Diagnostic]:
     PG827 tells of a type of the system libraries whose members are not known here; of those of tags nothing is said.
     """
     found: list[Diagnostic] = []
+    declared = [block.name for key, block in link.types.items() if key not in link.opaque]
+    known = Vocabulary([*declared, *ELEMENTARY])
     for block in [entry.block for entry in link.blocks.values()]:
         for type_, span, library in _used(block):
             key = type_.name.upper()
@@ -52,7 +56,7 @@ def add_unknown_types(link: Linkage) -> list[Diagnostic]:
                 continue
             link.opaque.add(key)
             link.types[key] = Block(BlockKind.UDT, type_.name, ())
-            problem = _report(type_, span or block.span or Span(""), link, library=library)
+            problem = _report(type_, span or block.span or Span(""), known, library=library)
             if not refused and (problem.code != "PG806" or link.unknown.add(key)):
                 found.append(problem)
     for _, spelled in link.tags.values():
@@ -96,13 +100,12 @@ def _is_known(type_: NamedType, link: Linkage) -> bool:
     return known is not None and known.kind in _TYPES
 
 
-def _report(type_: NamedType, span: Span, link: Linkage, *, library: bool) -> Diagnostic:
+def _report(type_: NamedType, span: Span, known: Vocabulary, *, library: bool) -> Diagnostic:
     name = type_.name
     if library or name.upper() in SYSTEM_TYPES | INSTRUCTIONS or _LIBRARY.fullmatch(name):
         message = f"the members of {name} are not known to plcgen"
         return Diagnostic("PG827", message, span, Severity.WARNING)
-    declared = [block.name for key, block in link.types.items() if key not in link.opaque]
-    near = near_type(name, declared)
+    near = near_type(name, known)
     return Diagnostic("PG806", f"unknown data type {name}", span, help=near or "also name the file that declares it")
 
 

@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import DiagnosticError, Span
+from plcgen.base.frozen import frozen
 from plcgen.s7.layout.shapes import MAX_BYTES, MAX_ENTRIES, Field, Shape, ShapeBuilder
 from plcgen.s7.types.blocks import Block, SectionKind
 from plcgen.s7.types.data_types import ArrayType, DataType, Member, StructType
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["MAX_BYTES", "Entry", "Layout", "layout_block", "layout_members", "leaves", "locate", "split_path"]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Entry:
     """One member or array element; ``offset`` and ``size`` in bits from the start of the block.
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcgen.base.diagnostics import Diagnostic, Note, Span
-from plcgen.base.diagnostics.suggest import did_you_mean
+from plcgen.base.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.s7.layout.evidence import ARRAY_END, BIT_ROWS, COMPOSITE_START, NO_DOUBTS, SIZES, STRING_STRIDE
 from plcgen.s7.types.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.types.data_types import (
@@ -153,7 +153,23 @@ OPEN_ARRAY = "ARRAY[*] has no length where it is memory of its own"
 
 
 class TypeTable(dict[str, "Block"]):
-    """Types by upper-case name without quotes: made once, looked up by every layout without another copy."""
+    """Types by upper-case name without quotes: made once, looked up by every layout without another copy.
+
+    An export without its types asks for hundreds of names, and for each of them many times: what is near is kept as
+    long as no type comes in.
+    """
+
+    _near: tuple[int, Vocabulary, dict[str, str]] = (-1, Vocabulary(()), {})
+
+    def near(self, name: str) -> str:
+        """``did you mean "x"?`` for a name that is no type, or an empty string."""
+        if self._near[0] != len(self):
+            known = (other for other, block in self.items() if block.kind in (BlockKind.UDT, BlockKind.FB))
+            self._near = (len(self), Vocabulary([*known, *ELEMENTARY]), {})
+        _, words, told = self._near
+        if name not in told:
+            told[name] = near_type(name, words)
+        return told[name]
 
     @classmethod
     def of(cls, types: Mapping[str, Block]) -> TypeTable:
@@ -382,9 +398,9 @@ class ShapeBuilder:
         elif name.startswith("REF_TO "):
             self.report("PG806", f"{name}: references exist in blocks with optimized access only", span)
         else:
-            known = (other for other, block in self._types.items() if block.kind in (BlockKind.UDT, BlockKind.FB))
-            near = near_type(name, known)
-            help_text = near or "also name the file that declares it; several files and folders can be given"
+            help_text = (
+                self._types.near(name) or "also name the file that declares it; several files and folders can be given"
+            )
             self.report("PG806", f"unknown data type {name}", span, help_text)
 
     def check_names(self, members: Sequence[Member]) -> None:
@@ -405,9 +421,9 @@ def declared_twice(member: Member, first: Member, owner: Span) -> Diagnostic:
     return Diagnostic("PG805", f'"{member.name}" is declared twice', member.span or owner, help=text, notes=notes)
 
 
-def near_type(name: str, declared: Iterable[str]) -> str:
+def near_type(name: str, known: Iterable[str]) -> str:
     """``did you mean "x"?`` for a name that is no type, or an empty string: one number says nothing about another."""
-    return "" if _NUMBERED.fullmatch(name) else did_you_mean(name, [*declared, *ELEMENTARY])
+    return "" if _NUMBERED.fullmatch(name) else did_you_mean(name, known)
 
 
 def union(one: frozenset[str], other: frozenset[str]) -> frozenset[str]:

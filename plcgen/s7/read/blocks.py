@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError
 from plcgen.s7.layout.shapes import TypeTable
 from plcgen.s7.read.code import Code, document_code, statement_list_code, unit_code
-from plcgen.s7.read.files import XML_SUFFIXES, Files, read_files
+from plcgen.s7.read.files import Files, read_files
 from plcgen.s7.read.networks import NetworkCall, document_calls
 from plcgen.s7.read.text import parse_source
 from plcgen.s7.scl import ast
@@ -21,6 +22,9 @@ from plcgen.s7.xml.reading.attributes import document_attributes
 from plcgen.s7.xml.reading.source import KEYWORDS, source
 from plcgen.s7.xml.reading.tables import TagTable
 from plcgen.s7.xml.reading.xml import load, parse_xml
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
 
 STATEMENT_LISTS = frozenset({".awl", ".stl"})
 
@@ -76,8 +80,13 @@ class Sources:
 def read_sources(paths: Iterable[Path], *, classic: bool = False) -> Sources:
     """Read files and folders as :func:`plcgen.s7.read.files.read_files` does; the null device is an empty source."""
     parsed: list[ParseResult] = []
-    files = read_files([path for path in paths if path != Path(os.devnull)], classic=classic, keep=parsed.append)
-    return _sources(files, parsed)
+    documents: dict[str, _Details] = {}
+
+    def seen(file: str, root: Element) -> None:
+        documents[file] = _Details(document_code(root), document_attributes(root), document_calls(root))
+
+    named = [path for path in paths if path != Path(os.devnull)]
+    return _sources(read_files(named, classic=classic, keep=parsed.append, seen=seen), parsed, documents)
 
 
 def read_texts(texts: Iterable[tuple[str, str]]) -> Sources:
@@ -89,12 +98,12 @@ def read_texts(texts: Iterable[tuple[str, str]]) -> Sources:
         files.blocks += blocks
         files.types.update((block.name.upper(), block) for block in blocks)
         files.diagnostics += found
-    return _sources(files, parsed)
+    return _sources(files, parsed, {})
 
 
-def _sources(files: Files, parsed: Sequence[ParseResult]) -> Sources:
+def _sources(files: Files, parsed: Sequence[ParseResult], documents: Mapping[str, _Details]) -> Sources:
     if files.parts:
-        parts = {name: _sources(part, parsed) for name, part in files.parts.items()}
+        parts = {name: _sources(part, parsed, documents) for name, part in files.parts.items()}
         blocks = [block for part in parts.values() for block in part.blocks]
         return Sources(blocks, files.types, files.diagnostics, parts, files.tables)
     units = {
@@ -102,29 +111,17 @@ def _sources(files: Files, parsed: Sequence[ParseResult]) -> Sources:
         for result in reversed(parsed)
         for unit in reversed(result.units)
     }
-    documents: dict[str, _Details] = {}
     found: list[SourceBlock] = []
     for block in files.blocks:
         file = block.span.file if block.span is not None else ""
         known = units.get((file, KEYWORDS[block.kind], block.name.upper()))
         if known is not None:
             found.append(_from_text(block, file, *known))
-        elif Path(file).suffix.lower() in XML_SUFFIXES:
-            if file not in documents:
-                documents[file] = _details(Path(file))
+        elif file in documents:
             found.append(_from_document(block, file, documents[file], files.types))
         else:
             found.append(SourceBlock(block, file))
     return Sources(found, files.types, files.diagnostics, tables=files.tables)
-
-
-def _details(path: Path) -> _Details:
-    """Networks and attributes of members of a document; nothing if it cannot be read any more."""
-    try:
-        root = parse_xml(*load(path, None))
-    except DiagnosticError:
-        return _Details()
-    return _Details(document_code(root), document_attributes(root), document_calls(root))
 
 
 def _from_document(block: Block, file: str, details: _Details, types: TypeTable) -> SourceBlock:
@@ -133,9 +130,18 @@ def _from_document(block: Block, file: str, details: _Details, types: TypeTable)
     networks, calls = details.code.get(block.name, Code()), details.calls.get(block.name, ())
     result = None if block.code is None else parse(source(block, types), file)
     if result is None or len(result.units) != 1:
-        return SourceBlock(block, file, networks, attributes, calls=calls)
+        code = networks if result is None else _as_written(block, file)
+        return SourceBlock(block, file, code, attributes, calls=calls)
     code = replace(unit_code(result.units[0], result), located=False)
     return SourceBlock(block, file, code, attributes, result.units[0], result, located=False, calls=calls)
+
+
+def _as_written(block: Block, file: str) -> Code:
+    """The networks of a block whose SCL is not that of one block; nothing if the file cannot be read any more."""
+    try:
+        return document_code(parse_xml(*load(Path(file), None)), scl=True).get(block.name, Code())
+    except DiagnosticError:
+        return Code()
 
 
 def _from_text(block: Block, file: str, unit: ast.Unit, result: ParseResult) -> SourceBlock:

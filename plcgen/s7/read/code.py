@@ -6,12 +6,12 @@ import hashlib
 from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.lexer import STRING
 from plcgen.s7.xml.reading.documents import KINDS
-from plcgen.s7.xml.reading.xml import child, children, local, text
+from plcgen.s7.xml.reading.xml import TAGS, child, children, local, text
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -111,33 +111,39 @@ def _body(unit: ast.Unit, result: ParseResult) -> Iterator[tuple[int, int]]:
         yield index, tokens.position(tokens.starts[index])[0]
 
 
-def document_code(root: Element) -> dict[str, Code]:
-    """Code of every block of a SimaticML document by block name: its networks, UIds and comments left out."""
+def document_code(root: Element, *, scl: bool = False) -> dict[str, Code]:
+    """Code of every block of a SimaticML document by block name: its networks, UIds and comments left out.
+
+    Blocks whose networks are all in SCL are left out without ``scl``: their text says the same.
+    """
     found: dict[str, Code] = {}
     for element in children(root):
         if local(element) in KINDS:
             name = text(child(child(element, "AttributeList"), "Name")).strip()
-            found[name] = _networks(element)
+            found[name] = _networks(element, scl=scl)
     return found
 
 
-def _networks(element: Element) -> Code:
+def _networks(element: Element, *, scl: bool) -> Code:
+    units = children(child(element, "ObjectList"), "SW.Blocks.CompileUnit")
+    sources = [child(child(unit, "AttributeList"), "NetworkSource") for unit in units]
+    drawn = [source for source in sources if source is not None]
+    if not scl and all(TAGS[network.tag] == "StructuredText" for source in drawn for network in source):
+        return Code()
     tokens: list[str] = []
     lines: list[int] = []
-    for unit in children(child(element, "ObjectList"), "SW.Blocks.CompileUnit"):
-        source = child(child(unit, "AttributeList"), "NetworkSource")
-        if source is None:
-            continue
+    for source in drawn:
         pending: list[Element] = [source]
         while pending:
             node = pending.pop()
-            tag = local(node)
+            tag = TAGS[node.tag]
             if not tag or tag in _LAYOUT:
                 continue
-            attributes = "".join(f" {key}={node.get(key)}" for key in sorted(map(str, node.keys())) if key != "UId")
-            content = text(node).strip()
+            given: Any = node.items()
+            attributes = "".join([f" {key}={value}" for key, value in sorted(given) if key != "UId"])
+            content = (node.text or "").strip()
             line: object = node.sourceline
             tokens.append(f"{tag}{attributes}{f' {content}' if content else ''}")
             lines.append(line if isinstance(line, int) else 0)
-            pending += list(children(node))[::-1]
+            pending += node.iterchildren(reversed=True)
     return Code("xml", tuple(tokens), tuple(lines)) if tokens else Code()

@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from plcgen.base.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.base.files.files import walk
@@ -23,8 +24,12 @@ from plcgen.s7.types.data_types import ELEMENTARY, HARDWARE, ArrayType, StructTy
 from plcgen.s7.types.system import system_block
 
 if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
+
     from plcgen.s7.xml.reading.tables import TagTable
 
+Seen: TypeAlias = "Callable[[str, Element], None]"
+"""Gets the file and the root of a document."""
 TEXT_SUFFIXES = frozenset({".scl", ".udt", ".db", ".awl", ".stl", documents.SUFFIX})
 XML_SUFFIXES = frozenset({".xml"})
 MAX_FILES = 20_000
@@ -81,28 +86,32 @@ class Files:
 
 
 def read_files(
-    paths: Iterable[Path], *, classic: bool = False, keep: Callable[[ParseResult], object] | None = None
+    paths: Iterable[Path],
+    *,
+    classic: bool = False,
+    keep: Callable[[ParseResult], object] | None = None,
+    seen: Seen | None = None,
 ) -> Files:
     """Read files and folders; a folder means every source below it, hidden ones left out.
 
     Of a block that is there as source and as document the source counts, and SIMATIC SD before SimaticML. Types that
     are missing are looked for in UDT and SCL files beside the named files, or in ``../udt`` and ``../scl``. Symbol
     tables of STEP 7 V5 (``.sdf``, ``.asc``) give blocks their numbers. ``classic``: the documents are for S7-300/400.
-    ``keep`` gets the syntax tree of every text. Where a folder has the exports of several PLCs, names mean something
-    else in each of them; files that belong to none are there for all.
+    ``keep`` gets the syntax tree of every text, ``seen`` the root of every document of SimaticML. Where a folder has
+    the exports of several PLCs, names mean something else in each of them; files that belong to none are there for all.
     """
     problems: list[Diagnostic] = []
     named = list(paths)
     files = list(source_files(named, problems))
     groups = by_plc((file.path for file in files), named)
     if len(groups) == 1:
-        found = _read_group(files, classic=classic, keep=keep)
+        found = _read_group(files, classic=classic, keep=keep, seen=seen)
         found.diagnostics = _graphical_once(dict.fromkeys([*problems, *found.diagnostics]))
         return found
     called, whole = plc_names(groups, named), Files(diagnostics=problems)
     for folder in sorted(groups, key=lambda folder: called[folder]):
         own = set(groups[folder])
-        part = _read_group([file for file in files if file.path in own], classic=classic, keep=keep)
+        part = _read_group([file for file in files if file.path in own], classic=classic, keep=keep, seen=seen)
         for name, block in whole.parts[""].types.items() if None in groups and folder is not None else ():
             part.types.setdefault(name, block)
         whole.parts[called[folder]] = part
@@ -128,7 +137,9 @@ def _graphical_once(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
     return [once if d is graphical[0] else d for d in given if d is graphical[0] or d.code != "PG814"]
 
 
-def _read_group(files: Sequence[SourceFile], *, classic: bool, keep: Callable[[ParseResult], object] | None) -> Files:
+def _read_group(
+    files: Sequence[SourceFile], *, classic: bool, keep: Callable[[ParseResult], object] | None, seen: Seen | None
+) -> Files:
     """Read the files of one PLC."""
     found = Files()
     symbols: dict[str, str] = {}
@@ -138,14 +149,14 @@ def _read_group(files: Sequence[SourceFile], *, classic: bool, keep: Callable[[P
             table, problems = read_symbols(file.path)
             symbols |= table
         else:
-            blocks, problems = _read(file, {}, classic=classic, keep=keep)
+            blocks, problems = _read(file, {}, classic=classic, keep=keep, seen=seen)
             read += [(block, file) for block in blocks]
             if file.is_xml and not blocks:
                 tables = _tables(file.path)
                 found.tables += tables
                 problems = [] if tables else problems
         found.diagnostics += problems
-    _resolve(read, files, found.diagnostics, classic=classic, keep=keep)
+    _resolve(read, files, found.diagnostics, classic=classic, keep=keep, seen=seen)
     read = _without_unknown_bounds(read, found.diagnostics)
     found.blocks = [_numbered(block, symbols) for block in _unique(read, found.diagnostics)]
     _add_types(found.blocks, found.types)
@@ -212,13 +223,15 @@ def _read(
     *,
     classic: bool,
     keep: Callable[[ParseResult], object] | None,
+    seen: Seen | None,
 ) -> tuple[list[Block], list[Diagnostic]]:
     if not file.is_xml:
         whole = {name: value for name, value in constants.items() if value is not None}
         return read_source(file.path, constants=whole, keep=keep)
     from plcgen.s7.xml.reading.documents import read_simaticml
 
-    blocks, problems = read_simaticml(file.path, classic=classic, constants=constants)
+    told = None if seen is None else partial(seen, str(file.path))
+    blocks, problems = read_simaticml(file.path, classic=classic, constants=constants, seen=told)
     if file.listed and not blocks and all(problem.code == "PG812" for problem in problems):
         return [], []  # another kind of document that lies in the folder
     return blocks, problems
@@ -231,6 +244,7 @@ def _resolve(
     *,
     classic: bool,
     keep: Callable[[ParseResult], object] | None,
+    seen: Seen | None,
 ) -> None:
     """Read files with unknown bounds again, with the constants of the tag tables among the files or beside them."""
     unknown = {d.span.file for d in diagnostics if d.code == "PG806" and d.severity is Severity.WARNING}
@@ -239,7 +253,7 @@ def _resolve(
     if not constants:
         return
     for file in again:
-        blocks, problems = _read(file, constants, classic=classic, keep=keep)
+        blocks, problems = _read(file, constants, classic=classic, keep=keep, seen=seen)
         own = {id(block): place for place, (block, where) in enumerate(read) if where is file}
         for place, block in zip(own.values(), blocks, strict=True):
             read[place] = (block, file)

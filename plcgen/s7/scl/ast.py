@@ -6,19 +6,13 @@ Offsets take no part in comparisons: two trees are equal if they say the same.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields
-from typing import TypeAlias, TypeVar, dataclass_transform
+from dataclasses import field, fields
+from typing import TypeAlias
 
-_Class = TypeVar("_Class")
-
-
-@dataclass_transform(frozen_default=True, field_specifiers=(field,))
-def _node(cls: type[_Class]) -> type[_Class]:
-    """Make a node, frozen for type checkers only: at run time that would cost a fifth of the parsing speed."""
-    return dataclass(slots=True, unsafe_hash=True)(cls)
+from plcgen.base.frozen import frozen
 
 
-@_node
+@frozen
 class Node:
     """Anything with a place: ``start`` and ``end`` are character offsets, the end exclusive."""
 
@@ -27,7 +21,7 @@ class Node:
 
 
 # --- expressions -----------------------------------------------------------------------------------------
-@_node
+@frozen
 class Name(Node):
     """``x`` (scope bare), ``#x`` (local) or ``"x"`` (quoted); ``name`` has neither ``#`` nor quotes."""
 
@@ -35,14 +29,14 @@ class Name(Node):
     scope: str
 
 
-@_node
+@frozen
 class Address(Node):
     """An absolute operand as written: ``%DB3.DBW6``, ``M50.0``, ``DB3.DBX0.0``, ``PIW256``."""
 
     text: str
 
 
-@_node
+@frozen
 class Literal(Node):
     """A constant as written; ``kind`` is int, real, string, typed, pointer or bool."""
 
@@ -50,7 +44,7 @@ class Literal(Node):
     kind: str
 
 
-@_node
+@frozen
 class Member(Node):
     """``base.name``; ``name`` has no quotes."""
 
@@ -58,7 +52,7 @@ class Member(Node):
     name: str
 
 
-@_node
+@frozen
 class Slice(Node):
     """``base.%X0``, ``.%B1``, ``.%W0``, ``.%D0``: ``width`` is the letter in upper case."""
 
@@ -67,7 +61,7 @@ class Slice(Node):
     index: int
 
 
-@_node
+@frozen
 class Index(Node):
     """``base[i, j]``."""
 
@@ -75,21 +69,21 @@ class Index(Node):
     indices: tuple[Expression, ...]
 
 
-@_node
+@frozen
 class Dereference(Node):
     """``base^``."""
 
     base: Expression
 
 
-@_node
+@frozen
 class Peripheral(Node):
     """``"tag":P``: the process image is passed by."""
 
     base: Expression
 
 
-@_node
+@frozen
 class Unary(Node):
     """``-``, ``+`` or ``NOT`` before an operand."""
 
@@ -97,7 +91,7 @@ class Unary(Node):
     operand: Expression
 
 
-@_node
+@frozen
 class Binary(Node):
     """Two operands; keywords are in upper case, ``&`` stays ``&``."""
 
@@ -106,12 +100,12 @@ class Binary(Node):
     right: Expression
 
 
-@_node
+@frozen
 class Omitted(Node):
     """The value of an argument that has none: ``Q => ,``."""
 
 
-@_node
+@frozen
 class Argument(Node):
     """One argument of a call or one field of a structure value; ``operator`` is ``:=``, ``=>`` or empty."""
 
@@ -120,7 +114,7 @@ class Argument(Node):
     value: Expression
 
 
-@_node
+@frozen
 class Call(Node):
     """``target(arguments)``: function, instance, ``"FB"."DB"``, ``SFB53.DB53`` or ``%DB1.DW(..)``."""
 
@@ -128,7 +122,7 @@ class Call(Node):
     arguments: tuple[Argument, ...]
 
 
-@_node
+@frozen
 class Aggregate(Node):
     """An initial value in brackets ``[``, parentheses ``(`` or without (a list of STEP 7 V5)."""
 
@@ -136,7 +130,7 @@ class Aggregate(Node):
     items: tuple[Argument, ...]
 
 
-@_node
+@frozen
 class Repetition(Node):
     """``count(items)`` in an initial value."""
 
@@ -151,7 +145,7 @@ Expression: TypeAlias = (
 
 
 # --- statements ------------------------------------------------------------------------------------------
-@_node
+@frozen
 class Assign(Node):
     """``target := value``; the operator may be ``+=``; ``also`` holds b, c of ``a := b := c := value``."""
 
@@ -161,14 +155,14 @@ class Assign(Node):
     also: tuple[Expression, ...] = ()
 
 
-@_node
+@frozen
 class CallStatement(Node):
     """A call that stands alone."""
 
     call: Call
 
 
-@_node
+@frozen
 class IfBranch(Node):
     """IF or ELSIF with its statements."""
 
@@ -176,7 +170,7 @@ class IfBranch(Node):
     body: Body
 
 
-@_node
+@frozen
 class If(Node):
     """``otherwise`` is None if there is no ELSE."""
 
@@ -184,7 +178,7 @@ class If(Node):
     otherwise: Body | None
 
 
-@_node
+@frozen
 class CaseRange(Node):
     """A label of CASE; ``high`` is None for a single value."""
 
@@ -192,7 +186,7 @@ class CaseRange(Node):
     high: Expression | None
 
 
-@_node
+@frozen
 class CaseBranch(Node):
     """Labels and statements; ``regions`` are titles of REGIONs opened just before the labels."""
 
@@ -201,7 +195,7 @@ class CaseBranch(Node):
     regions: tuple[str, ...] = ()
 
 
-@_node
+@frozen
 class Case(Node):
     """``otherwise`` is None if there is no ELSE."""
 
@@ -210,7 +204,7 @@ class Case(Node):
     otherwise: Body | None
 
 
-@_node
+@frozen
 class For(Node):
     """``step`` is None if there is no BY."""
 
@@ -221,7 +215,7 @@ class For(Node):
     body: Body
 
 
-@_node
+@frozen
 class While(Node):
     """WHILE condition DO body."""
 
@@ -229,7 +223,7 @@ class While(Node):
     body: Body
 
 
-@_node
+@frozen
 class Repeat(Node):
     """REPEAT body UNTIL condition."""
 
@@ -237,28 +231,28 @@ class Repeat(Node):
     condition: Expression
 
 
-@_node
+@frozen
 class Jump(Node):
     """EXIT, CONTINUE or RETURN."""
 
     keyword: str
 
 
-@_node
+@frozen
 class Goto(Node):
     """GOTO label."""
 
     label: str
 
 
-@_node
+@frozen
 class Label(Node):
     """``label:`` in front of a statement; a statement of its own here."""
 
     name: str
 
 
-@_node
+@frozen
 class Region(Node):
     """REGION title .. END_REGION around statements."""
 
@@ -273,7 +267,7 @@ Body: TypeAlias = tuple[Statement, ...]
 
 
 # --- declarations ----------------------------------------------------------------------------------------
-@_node
+@frozen
 class Attribute(Node):
     """``name := 'value'`` in braces; ``value`` has no quotes."""
 
@@ -281,7 +275,7 @@ class Attribute(Node):
     value: str
 
 
-@_node
+@frozen
 class TypeName(Node):
     """An elementary, system or user type by name; ``attributes`` are the braces before the name."""
 
@@ -290,7 +284,7 @@ class TypeName(Node):
     attributes: tuple[Attribute, ...] = ()
 
 
-@_node
+@frozen
 class StringSpec(Node):
     """``STRING[length]`` or ``WSTRING[length]``; ``length`` is None if not given."""
 
@@ -298,7 +292,7 @@ class StringSpec(Node):
     length: Expression | None
 
 
-@_node
+@frozen
 class ArraySpec(Node):
     """``ARRAY[low..high, ...] OF element``; no bounds at all means ``ARRAY[*]`` with so many ``open_dimensions``."""
 
@@ -307,14 +301,14 @@ class ArraySpec(Node):
     open_dimensions: int = 1
 
 
-@_node
+@frozen
 class StructSpec(Node):
     """``STRUCT .. END_STRUCT``."""
 
     members: tuple[Declaration, ...]
 
 
-@_node
+@frozen
 class ReferenceSpec(Node):
     """``REF_TO target``."""
 
@@ -324,7 +318,7 @@ class ReferenceSpec(Node):
 TypeSpec: TypeAlias = TypeName | StringSpec | ArraySpec | StructSpec | ReferenceSpec
 
 
-@_node
+@frozen
 class DeclaredName(Node):
     """One name of a declaration with the attributes behind it."""
 
@@ -333,7 +327,7 @@ class DeclaredName(Node):
     attributes: tuple[Attribute, ...]
 
 
-@_node
+@frozen
 class Declaration(Node):
     """``a, b {..} AT x : type := initial; // comment``; a CONST of STEP 7 V5 has no type."""
 
@@ -344,7 +338,7 @@ class Declaration(Node):
     comment: str
 
 
-@_node
+@frozen
 class Section(Node):
     """``VAR_INPUT .. END_VAR``, ``CONST``, ``LABEL``; modifiers such as CONSTANT, RETAIN in upper case."""
 
@@ -353,7 +347,7 @@ class Section(Node):
     declarations: tuple[Declaration, ...]
 
 
-@_node
+@frozen
 class Network(Node):
     """A network of a SIMATIC SD document: its statements if its language is SCL.
 
@@ -367,7 +361,7 @@ class Network(Node):
     inside: tuple[int, int] = field(compare=False)
 
 
-@_node
+@frozen
 class Unit(Node):
     """A block or type. ``body_type`` is a DB's or UDT's structure, or the type an instance DB is made from.
 

@@ -6,6 +6,8 @@ import enum
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from plcgen.base.frozen import frozen
+
 if TYPE_CHECKING:
     from plcgen.base.diagnostics import Span
     from plcgen.s7.types.data_types import Member
@@ -45,7 +47,7 @@ class Section:
     retain: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Assignment:
     """A line of a DB's BEGIN part: ``path := literal``; it overrides the declared start value."""
 

@@ -7,6 +7,8 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeAlias
 
+from plcgen.base.frozen import frozen
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
@@ -29,7 +31,7 @@ class StringType:
     length: int
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class ArrayType:
     """``ARRAY[low..high, ...] OF element``; ``bounds`` has one (low, high) pair per dimension.
 
@@ -46,14 +48,14 @@ class ArrayType:
         return ", ".join(f"{low}..{high}" for low, high in self.bounds) or ", ".join("*" * self.open_dimensions)
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class StructType:
     """An anonymous ``STRUCT``."""
 
     members: tuple[Member, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class NamedType:
     """A type known by name: a UDT, an FB or SFB (multi-instance), a system type such as ``TON_TIME``."""
 
@@ -64,7 +66,7 @@ class NamedType:
 DataType: TypeAlias = Elementary | StringType | ArrayType | StructType | NamedType
 
 
-@dataclass(frozen=True, slots=True)
+@frozen
 class Member:
     """One declared variable: ``start`` is the literal text of its start value, exactly as written.
 

@@ -27,7 +27,7 @@ from plcgen.s7.xml.reading.xml import child, children, first_culture, load, loca
 from plcgen.s7.xml.writing.documents import HEADER, INSTRUCTION, LIBRARY_VERSION
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Callable, Collection, Mapping
     from pathlib import Path
 
     from lxml.etree import _Element as Element
@@ -76,11 +76,12 @@ def read_simaticml(
     classic: bool | None = False,
     constants: Mapping[str, int | None] | None = None,
     inline: bool = True,
+    seen: Callable[[Element], None] | None = None,
 ) -> tuple[list[Block], list[Diagnostic]]:
     """Blocks and types of one document and everything wrong with it; ``file`` is the name for messages.
 
     ``constants`` are those of the project by upper-case name, for bounds and lengths. ``inline``: types that the
-    document writes out are wanted, too.
+    document writes out are wanted, too. ``seen`` gets the root of a document that can be read.
 
     A missing MemoryLayout means optimized access, as on S7-1200/1500; ``classic`` says the document is for
     S7-300/400, where it means standard access, None that nobody knows: then it stays unsaid. Types and instance DBs
@@ -91,6 +92,8 @@ def read_simaticml(
     root, name, diagnostics = _open(source, file)
     if root is None:
         return [], diagnostics
+    if seen is not None:
+        seen(root)
     return _blocks(root, name, diagnostics, constants or {}, classic=classic, inline=inline), diagnostics
 
 

@@ -8,14 +8,13 @@ said from where it counts, so that from the block and that from the structure ar
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
-from pathlib import Path
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Note, Severity, Span
 from plcgen.s7.layout.layout import layout_block, locate
 from plcgen.s7.xml.reading.documents import KINDS
-from plcgen.s7.xml.reading.xml import child, children, load, local, parse_xml, span, text
+from plcgen.s7.xml.reading.xml import child, children, local, span, text
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -28,19 +27,18 @@ Stated = tuple[str, str, int, Span]
 """Path of the structure around a member, its own path, bits, place in the document."""
 
 
-def compare_offsets(blocks: Iterable[Block], types: Mapping[str, Block]) -> tuple[list[Diagnostic], int]:
-    """PG838 for each block whose export states other offsets than the layout has, and how many offsets agree."""
+def compare_offsets(
+    blocks: Iterable[Block], types: Mapping[str, Block], documents: Mapping[str, Mapping[str, Sequence[Stated]]]
+) -> tuple[list[Diagnostic], int]:
+    """PG838 for each block whose export states other offsets than the layout has, and how many offsets agree.
+
+    ``documents`` are the stated offsets of blocks by file and name.
+    """
     found: list[Diagnostic] = []
     agreed = 0
-    documents: dict[str, dict[str, list[Stated]]] = {}
     for block in blocks:
-        file = block.span.file if block.span else ""
-        if not file.lower().endswith(".xml") or block.optimized:
-            continue
-        if file not in documents:
-            documents[file] = _document(file)
-        stated = documents[file].get(block.name, [])
-        if not stated:
+        stated = documents.get(block.span.file if block.span else "", {}).get(block.name, ())
+        if not stated or block.optimized:
             continue
         try:
             layout = layout_block(block, types)
@@ -70,11 +68,9 @@ def _place(bits: int) -> str:
     return f"{bits // 8}.{bits % 8}"
 
 
-def _document(file: str) -> dict[str, list[Stated]]:
-    """Paths, bits and places by the name of the block; nothing if the document cannot be read any more."""
-    try:
-        root = parse_xml(*load(Path(file), None))
-    except DiagnosticError:
+def document_offsets(file: str, root: Element) -> dict[str, list[Stated]]:
+    """Paths, bits and places by the name of the block."""
+    if all(attribute.get("Name") != "Offset" for attribute in root.iter("{*}IntegerAttribute")):
         return {}
     return {
         text(child(child(element, "AttributeList"), "Name")).strip(): list(_offsets(element, file))

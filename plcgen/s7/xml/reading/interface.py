@@ -254,11 +254,13 @@ class InterfaceReader:
             self.report("nested too deeply", groups[0])
             return
         for sections in groups:
-            for section in children(sections, "Section"):
-                for inner in children(section, "Member"):
+            for section in sections.iterchildren("{*}Section"):
+                for inner in section.iterchildren("{*}Member"):
                     self._expanded_member(inner, path)
 
     def _expanded_member(self, element: Element, parents: Steps) -> None:
+        if not len(element):
+            return
         name, type_ = element.get("Name"), parse_datatype(element.get("Datatype", ""))
         if not name or type_ is None or len(parents) >= MAX_DEPTH:
             return
@@ -282,12 +284,12 @@ class InterfaceReader:
         around = [bounds for _, bounds in path if bounds is not None]
         expected, element = sum(map(len, around)), innermost(type_)
         for sub in found:
-            start = child(sub, "StartValue")
+            start = sub[0] if len(sub) == 1 and TAGS[sub[0].tag] == "StartValue" else child(sub, "StartValue")
             plain = None if start is None else start.text
             literal = plain if plain and SINGLE(plain) else None if start is None else self.value(start)
-            indices = tuple(sub.get("Path", "").replace(";", ",").split(","))
             if not literal or len(around) < len(path):
                 continue
+            indices = tuple(sub.get("Path", "").replace(";", ",").split(","))
             if unfit(literal, element):
                 self.misfit(literal, element, sub)
                 continue
@@ -418,10 +420,10 @@ def _attributes(
     if version and isinstance(inner, NamedType) and not inner.quoted:
         found += [("InstructionName", inner.name), ("LibVersion", version)]
     for entry in () if listed is None else listed:
-        kind, name = TAGS[entry.tag], entry.get("Name", "")
-        if name == "At" and kind:
+        name = entry.get("Name", "")
+        if name == "At":
             at = text(entry).strip().strip('"') or None
-        elif kind and entry.get("Informative") != "true" and (pair := _attribute(kind, name, entry.text or "")):
+        elif entry.get("Informative") != "true" and (pair := _attribute(TAGS[entry.tag], name, entry.text or "")):
             found.append(pair)
     return at, tuple(found)
 

@@ -14,8 +14,10 @@ from plcgen.s7.types.data_types import ELEMENTARY, DataType, Elementary, Member,
 from plcgen.s7.types.literals import LiteralError, parse_literal
 from plcgen.s7.types.values import BIT_STRINGS, RANGES, SIGNED, UNSIGNED
 
-SINGLE = re.compile(r"[^\s;,:(){}\[\]'\"/]+").fullmatch
-"""Whether a value is one word without brackets, quotes and slashes, as numbers are."""
+_PLAIN_TEXT = r"'[ !\"#%&(-~]*'"
+"""Pattern of a text of ASCII without anything that needs ``$``."""
+SINGLE = re.compile(rf"[^\s;,:(){{}}\[\]'\"/]+|{_PLAIN_TEXT}").fullmatch
+"""Whether a value is one word without brackets, quotes and slashes, as numbers are, or a plain text."""
 _PARTS = frozenset(
     {INT, REAL, STRING, TYPED, POINTER, NAME, QUOTED, LOCAL, ADDRESS, EOF, "TRUE", "FALSE", "-", "+", "*", "/"}
     | {"(", ")", "[", "]", ",", ".", ":="}
@@ -28,6 +30,10 @@ def _surely_fitting(name: str) -> str:
         return "TRUE|FALSE|true|false"
     if name in {"REAL", "LREAL"}:
         return r"-?[0-9]{1,9}\.[0-9]{1,9}"
+    if name == "STRING":
+        return _PLAIN_TEXT
+    if name == "TIME":
+        return r"(?:T|TIME)#(?:[0-9]{1,9}(?:ms|MS)|[0-9]{1,6}[sS])"
     digits = len(str(RANGES[name][1])) - 1
     based = f"|16#[0-9A-Fa-f]{{1,{ELEMENTARY[name].bits // 4}}}" if name in BIT_STRINGS else ""
     return f"[0-9]{{1,{digits}}}{based}"
@@ -35,7 +41,7 @@ def _surely_fitting(name: str) -> str:
 
 _SURE = {
     name: re.compile(_surely_fitting(name)).fullmatch
-    for name in SIGNED | UNSIGNED | BIT_STRINGS | {"BOOL", "REAL", "LREAL"}
+    for name in SIGNED | UNSIGNED | BIT_STRINGS | {"BOOL", "REAL", "LREAL", "STRING", "TIME"}
 }
 """Most values are plain numbers, and documents have many: of these nothing else is asked."""
 _NAMED = frozenset({NAME, QUOTED, LOCAL, ADDRESS, "+", "*", "/"})
@@ -67,9 +73,10 @@ def unfit(text: str, type_: DataType) -> str:
 
     That is so of constants, and of types that are declared elsewhere.
     """
-    sure = _SURE.get(type_.name) if type_.__class__ is Elementary else None
-    if sure is not None and sure(text):
-        return ""
+    if isinstance(type_, (Elementary, StringType)):
+        sure = _SURE.get(type_.name)
+        if sure is not None and sure(text) and (isinstance(type_, Elementary) or len(text) - 2 <= type_.length):
+            return ""
     return _unfit(text, type_)
 
 
