@@ -10,13 +10,12 @@ from typing import NamedTuple
 CHANNEL_STATES: tuple[tuple[str, int, str], ...] = (
     ("STATE_IDLE", 0, "no job holds the unit"),
     ("STATE_HOLD", 1, "a job holds the unit: waiting for its next telegram, or until it goes"),
-    ("STATE_BUILD", 2, "completing the request"),
+    ("STATE_BUILD", 2, "completing the request, within one call"),
     ("STATE_GATE", 3, "waiting for a place among the record jobs of the CPU"),
     ("STATE_WRITE", 4, "WRREC sends the request"),
     ("STATE_READ", 5, "RDREC fetches the answer"),
-    ("STATE_CHECK", 6, "checking the answer"),
-    ("STATE_PAUSE", 7, "pause before a retry"),
-    ("STATE_DRAIN", 8, "ending: nothing is reported while a record call is active"),
+    ("STATE_PAUSE", 6, "pause before a retry"),
+    ("STATE_DRAIN", 7, "ending: nothing is reported while a record call is active"),
 )
 
 STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
@@ -31,7 +30,7 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_LOST", 0x8105, "not called for LEASE, or channel loaded again: what the drive did is unknown"),
     ("STATUS_NOT_CALLED", 0x8106, "the channel of the unit is not called"),
     ("STATUS_NO_PLACE", 0x8107, "no place for a record job within the timeout of the job"),
-    ("STATUS_NO_SLOT", 0x8108, "the unit has no such slot, or its channel was never called"),
+    ("STATUS_NO_SLOT", 0x8108, "the unit has no such slot"),
     ("STATUS_SLOT_TAKEN", 0x8109, "another instance uses the slot, or the unit was loaded again"),
     ("STATUS_WRITE_ERROR", 0x8201, "WRREC failed for good, see recordStatus of the unit"),
     ("STATUS_READ_ERROR", 0x8202, "RDREC failed for good, see recordStatus of the unit"),

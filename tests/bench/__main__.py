@@ -14,6 +14,7 @@ from tests.bench import (
     plants,
     ppi,
     scale,
+    scans,
     scl_speed,
     simaticml_reading,
     startup,
@@ -38,6 +39,7 @@ def main(*, short: bool = False) -> None:
     for row in startup.table(3 if short else 11):
         print(f"  {row}")
     editing.main(short=short)
+    scans.main()
     if short:
         scale.main((100,))
         return

@@ -14,7 +14,7 @@ def test_a_good_run(plcgen):
     """The trace is the result: on stdout, exit code 0, nothing on stderr."""
     result = plcgen(*BASE)
     assert (result.code, result.err) == (0, "")
-    assert result.out.endswith("1 job: 1 done; 13 scans, 130 ms\n")
+    assert result.out.endswith("1 job: 1 done; 8 scans, 80 ms\n")
 
 
 def test_the_default_folder(plcgen, good):
@@ -43,7 +43,7 @@ def test_vcd_to_a_file(plcgen, tmp_path):
     """The file holds the dump, stderr the summary; --quiet drops it."""
     result = plcgen(*BASE, "--format", "vcd", "-o", "run.vcd")
     assert (result.code, result.out) == (0, "")
-    assert result.err == "wrote run.vcd\n1 job: 1 done; 13 scans, 130 ms\n"
+    assert result.err == "wrote run.vcd\n1 job: 1 done; 8 scans, 80 ms\n"
     assert (tmp_path / "run.vcd").read_bytes().startswith(b"$version plcgen ")
     assert plcgen(*BASE, "--format", "vcd", "-q").err == ""
 

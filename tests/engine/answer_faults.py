@@ -9,10 +9,10 @@ from typing import Any, Literal
 from plcgen.ds47.proof.words import DONE, NO_ANSWER, WORDS
 from plcgen.ds47.sim.faults import Fault, FaultKind
 from plcgen.ds47.wire.errors import known_numbers
-from plcgen.ds47.wire.formats import FORMATS, generic_of
+from plcgen.ds47.wire.formats import DOUBLE_WORD, FORMATS, OLDER, WORD, Format, generic_of
 from tests.engine.errands import Errand, Letter
 from tests.engine.record_faults import outer_telegrams
-from tests.engine.scenario import RETRIES, Edit, EngineScenario
+from tests.engine.scenario import Edit, EngineScenario
 
 INFO = 0x1234
 _FIRMWARE = {0x0D: 0x36, 0x36: 0x0D}
@@ -61,6 +61,11 @@ class AnswerForm:
     def nothing(self) -> dict[int, tuple[int, int]]:
         """Errors and infos if nothing of the answer can be used."""
         return dict.fromkeys(range(1, len(self.letter.parts) + 1), (NO_ANSWER, 0))
+
+    def up_to(self, index: int, code: int, count: int) -> dict[int, tuple[int, int]]:
+        """Errors and infos if block ``index`` has an unknown format: what comes before it is good."""
+        before = dict.fromkeys(range(1, index), (0, 0))
+        return self.nothing | before | {index: (0x8100 | code, count)}
 
     def content(self, answer: bytes) -> list[bytes]:
         """The blocks as a partly negative answer carries them."""
@@ -175,12 +180,12 @@ def _foreign(form: AnswerForm) -> Iterator[EngineScenario]:
         yield EngineScenario(name=f"telegram {form.number}: {name}", reads={form.number: edit}, **again)
     if form.number > 1:
         return
-    # foreign, B5, built again: every second retry is one of each, the first answer of the last request is foreign
+    # foreign (200 ms), B5 (20, 100, then 200 ms), built again: 200, 220, 420, 520, 720, .. 1920, 2120 ms in 12 retries
     word = "UNKNOWN" if once else "DRIVE_OBJECT"
     for name, edit in (("always another drive object", _put(2, 7)),):
         yield EngineScenario(
-            name=name, status=(WORDS[word],), reads={0: edit}, retries=1 if once else RETRIES, telegram=1,
-            calls=(0, 1) if once else (RETRIES // 2, RETRIES), again=0 if once else RETRIES // 2,
+            name=name, status=(WORDS[word],), reads={0: edit}, retries=1 if once else 12, telegram=1,
+            calls=(0, 1) if once else (6, 12), again=0 if once else 6,
         )  # fmt: skip
 
 
@@ -288,7 +293,8 @@ def _leftovers(form: AnswerForm) -> Iterator[EngineScenario]:
         if before:
             wrong = bytes((0x0E, 1)) + bytes(before - 2)
             name = f"block {index} in format 0Eh, as long as the one before"
-            yield form.broken(name, instead(at, size, wrong), total - size + before)
+            edit = instead(at, size, wrong)
+            yield form.scenario(name, "RESPONSE_FORMAT", edit, total - size + before, errors=form.up_to(index, 0x0E, 1))
         before = size
 
 
@@ -320,7 +326,9 @@ def _written(form: AnswerForm) -> Iterator[EngineScenario]:
     """Blocks of good parameters in a partly refused change are 40 00, nothing else."""
     count = len(form.letter.parts)
     two = bytes.fromhex("440200110007")
-    for wrong, error in ((b"\x40\x01", 0x8140), (b"\x41\x00", 0x8141), (b"\x00\x00", 0), (b"\x43\x01\1\2\3\4", 0x8143)):
+    for wrong, error in (
+        (b"\x40\x01", 0x8140), (b"\x41\x00", 0x8141), (b"\x00\x00", 0x8100), (b"\x43\x01\1\2\3\4", 0x8143),
+    ):  # fmt: skip
         for index in sorted({0, count - 1}):
 
             def change(blocks: list[bytes], index: int = index, wrong: bytes = wrong) -> None:
@@ -328,13 +336,12 @@ def _written(form: AnswerForm) -> Iterator[EngineScenario]:
                 if count > 1:
                     blocks[0 if index else count - 1] = two
 
+            # under a negative id a block that is neither 40 00 nor an error is one that failed
+            errors = {index + 1: (error, wrong[1])} | ({1 if index else count: (0x8011, 7)} if count > 1 else {})
+            if error == 0x8100:  # nobody knows where the next block begins
+                errors |= dict.fromkeys(range(index + 2, count + 1), (NO_ANSWER, 0))
             name = f"good parameter {index + 1} answered {wrong.hex(' ')}"
-            if error:
-                # under a negative id a block that is neither 40 00 nor an error is one that failed
-                errors = {index + 1: (error, wrong[1])} | ({1 if index else count: (0x8011, 7)} if count > 1 else {})
-                yield form.scenario(name, "PARAMETER_ERROR", form.negative(change), errors=errors)
-            else:
-                yield form.broken(name, form.negative(change))
+            yield form.scenario(name, "PARAMETER_ERROR", form.negative(change), errors=errors)
 
 
 def _instead(form: AnswerForm, block: bytes) -> Edit:
@@ -354,7 +361,12 @@ def _refused(form: AnswerForm) -> Iterator[EngineScenario]:
     for more in (1, 2):
         block = bytes.fromhex("44020011 0007") + bytes(more)
         edit = _instead(form, block)
-        yield form.broken(f"one error block and {more} bytes after it", edit)
+        name = f"one error block and {more} bytes after it"
+        if more == 2 and count > 1:  # 00 00 is the second block, in a format that is not known
+            errors = form.up_to(2, 0, 0) | {1: (0x8011, 7)}
+            yield form.scenario(name, "PARAMETER_ERROR", edit, errors=errors)
+        else:
+            yield form.broken(name, edit)
     for block in (bytes.fromhex("4201 0011"), bytes.fromhex("4403 0011 0001 0002")) if count > 1 else ():
         edit = _instead(form, block)
         yield form.broken(f"one block {block[:2].hex(' ')} for the whole request", edit)
@@ -362,6 +374,7 @@ def _refused(form: AnswerForm) -> Iterator[EngineScenario]:
 
 def _formats(form: AnswerForm) -> Iterator[EngineScenario]:
     sizes = {fmt.code: fmt.size for fmt in FORMATS}
+    sizes |= {code: sizes[code + 0x50] for code in range(0x21, 0x2D)}  # N2 to X4 as they were numbered once
     for index, (at, _) in enumerate(form.letter.blocks, 1):
         part = form.letter.parts[index - 1]
         generic = None if part.format.is_string else generic_of(part.format.size)
@@ -381,7 +394,8 @@ def _formats(form: AnswerForm) -> Iterator[EngineScenario]:
                 }
                 yield form.scenario(name, "RESPONSE_FORMAT", _put(at, wrong), errors=errors, follow=False)
             elif wrong not in sizes:
-                yield form.broken(name, _put(at, wrong), follow=False)
+                errors = form.up_to(index, wrong, part.count)
+                yield form.scenario(name, "RESPONSE_FORMAT", _put(at, wrong), errors=errors, follow=False)
             else:
                 yield form.scenario(name, "RESPONSE_FORMAT", _put(at, wrong), follow=False)
         yield form.scenario(f"block {index} in format 44h", "RESPONSE_FORMAT", _put(at, 0x44))
@@ -391,11 +405,12 @@ def _formats(form: AnswerForm) -> Iterator[EngineScenario]:
 
 
 def types_of_a_size(form: AnswerForm) -> Iterator[EngineScenario]:
-    """The first value in every other type of its size: 41h to 43h, and one TimeDifference for the other, are taken."""
+    """The first value in every other type of its size: 41h to 43h, one TimeDifference for the other, old numbers."""
     (at, _), part = form.letter.blocks[0], form.letter.parts[0]
     generic = generic_of(part.format.size)
     taken = {_FIRMWARE.get(part.format.code)} | ({generic.code} if generic is not None else set())
-    for other in FORMATS:
+    taken |= {part.format.code - 0x50} if 0x71 <= part.format.code <= 0x7C else set()
+    for other in (*FORMATS, *OLDER):
         if other.size != part.format.size or not other.writable or other.code == part.format.code:
             continue
         name = f"{part.format.name} comes as {other.name}"
@@ -404,6 +419,40 @@ def types_of_a_size(form: AnswerForm) -> Iterator[EngineScenario]:
         else:
             errors = {1: (0x8100 | other.code, part.count)}
             yield form.scenario(name, "RESPONSE_FORMAT", _put(at, other.code), errors=errors, follow=False)
+
+
+def wider_integers(form: AnswerForm) -> Iterator[EngineScenario]:
+    """Integers of one or two bytes that come as 42h or 43h are taken if all of them fit, whatever their number."""
+    for index, (at, size) in enumerate(form.letter.blocks, 1):
+        part = form.letter.parts[index - 1]
+        for code, width in ((WORD, 2), (DOUBLE_WORD, 4)):
+            for value, good in _around(part.format):
+                if width <= part.format.size or not -(1 << 8 * width - 1) <= value < 1 << 8 * width - 1:
+                    continue
+                for place in sorted({0, part.count - 1}):
+                    numbers = [0] * part.count
+                    numbers[place] = value
+                    values = b"".join(number.to_bytes(width, signed=True) for number in numbers)
+                    edit = instead(at, size, bytes((code, part.count)) + values)
+                    errors = {} if good else {index: (0x8100 | code, part.count)}
+                    name = f"{part.format.name}: value {place + 1} of {part.count} comes as {value} in {code:02X}h"
+                    word = "DONE" if good else "RESPONSE_FORMAT"
+                    yield form.scenario(name, word, edit, errors=errors, follow=False)
+        block = bytes((DOUBLE_WORD, part.count + 1)) + bytes(4 * (part.count + 1))
+        yield form.scenario(
+            f"{part.format.name}: one value more in 43h", "RESPONSE_FORMAT", instead(at, size, block),
+            errors={index: (0x8143, part.count + 1)}, follow=False,
+        )  # fmt: skip
+
+
+def _around(fmt: Format) -> list[tuple[int, bool]]:
+    """Numbers at the ends of what an integer holds and next to them, and whether it holds them."""
+    return {
+        "Integer8": [(-129, False), (-128, True), (-1, True), (0, True), (127, True), (128, False), (255, False)],
+        "Integer16": [(-32769, False), (-32768, True), (-1, True), (32767, True), (32768, False), (65535, False)],
+        "Unsigned8": [(-1, False), (0, True), (255, True), (256, False)],
+        "Unsigned16": [(-1, False), (0, True), (65535, True), (65536, False)],
+    }.get(fmt.name, [])
 
 
 def _another(form: AnswerForm, index: int) -> Iterator[EngineScenario]:

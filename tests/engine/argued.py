@@ -32,14 +32,6 @@ class ArguedOperand:
 ARGUED = (
     ArguedOperand("tempAsk.want <= 0 OR tempAsk.want <> statTicket OR statStill >= LEASE OR tempGrant = 0",
              DECIDES[True], "a number of 0 or less also differs from the ticket of the job"),
-    ArguedOperand("statState = STATE_WRITE AND NOT statWriteActive", DECIDES[False],
-             "WRREC is called only in this state or while it is active"),
-    ArguedOperand("statState = STATE_READ AND NOT statReadActive", DECIDES[False],
-             "RDREC is called only in this state or while it is active"),
-    ArguedOperand("tempError AND tempCode = 181 AND (statForeign OR statSilent >= statOrder.timeout / 3)",
-             DECIDES[False], "only a call that has ended has a code, and success was tested before"),
-    ArguedOperand("tempError AND tempTemporary", DECIDES[False],
-             "a fault counts as temporary by its code, and here only an error has one"),
 )  # fmt: skip
 
 

@@ -25,7 +25,7 @@ from tests.engine.answer_faults import answer_faults, error_matrix
 from tests.engine.argued import ARGUED, argued
 from tests.engine.conduct import EngineConduct
 from tests.engine.copies import copies
-from tests.engine.errands import MATRIX, READ_PINNED, WRITE_PINNED, Errand, every_format, full
+from tests.engine.errands import MATRIX, READ_PINNED, READ_SPLIT, TRIGGER, WRITE_PINNED, Errand, every_format, full
 from tests.engine.field import JobField
 from tests.engine.formats import formats
 from tests.engine.interrupts import interrupts
@@ -46,6 +46,7 @@ SIZES = frozenset({"formats", "units"})
 GROUPS = {
     "formats": "every format, 41h to 43h, pinned telegrams, jobs in a row",
     "faults": "every fault of WRREC, RDREC, answer and CPU",
+    "edges": "the same of two jobs, where an edge of REQ starts WRREC and RDREC",
     "units": "jobs that share a unit: turns, slots, limits, silence",
     "places": "record jobs of the CPU: never too many, in turn",
     "restarts": "restart of the CPU, data blocks loaded again",
@@ -81,6 +82,7 @@ class EngineWork:
         classic = self.engine.dialect.classic
         last = self.engine.sizes.last
         found = [Piece("faults", errand.key, errand) for errand in MATRIX if errand.fits(last)]
+        found += [Piece("edges", errand.key, errand) for errand in (READ_SPLIT, TRIGGER) if errand.fits(last)]
         if self.effort == "sizes":
             found = found[:1]
         for group, procedures in (
@@ -99,7 +101,7 @@ class EngineWork:
         """One piece."""
         piece = self.pieces[index]
         if piece.errand is not None:
-            return run_faults(self.engine, piece.errand)
+            return run_faults(self.engine, piece.errand, on_edge=piece.group == "edges")
         result = Result(statistics=Statistics(runs=1))
         errands = [*MATRIX, READ_PINNED, WRITE_PINNED]
         if piece.group == "formats":
@@ -118,13 +120,15 @@ class EngineWork:
         return result
 
 
-def run_faults(engine: DriveEngine, errand: Errand, most: int = MAX_FAILURES) -> Result:
-    """Every fault of one job; behind a failure on another CPU."""
+def run_faults(engine: DriveEngine, errand: Errand, most: int = MAX_FAILURES, *, on_edge: bool = False) -> Result:
+    """Every fault of one job, after a failure on another CPU; ``on_edge``: REQ is an edge there."""
     statistics = Statistics()
     result = Result(statistics=statistics)
 
     def runner() -> Runner[EngineScenario]:
-        return Runner(EngineConduct(EngineRig(engine, MATRIX), errand), statistics)
+        rig = EngineRig(engine, MATRIX)
+        rig.cpu.records.on_edge = on_edge
+        return Runner(EngineConduct(rig, errand), statistics)
 
     now = runner()
     failure = now.try_run(EngineScenario(name="first run"))

@@ -9,7 +9,7 @@ from plcgen.ds47.proof.words import COUNTERS, WORDS
 from plcgen.proof.rig import Members
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import ScenarioError, Statistics
-from tests.engine.answer_faults import AnswerForm, types_of_a_size
+from tests.engine.answer_faults import AnswerForm, types_of_a_size, wider_integers
 from tests.engine.conduct import EngineConduct
 from tests.engine.end import following
 from tests.engine.errands import (
@@ -36,6 +36,7 @@ def formats(*, classic: bool, many: bool = False) -> Iterator[tuple[str, Run]]:
     """Names and procedures; ``many`` runs 70,000 jobs in a row."""
     yield "reads and writes of every format", _every_format
     yield "every type instead of every other of its size", _other_types
+    yield "integers in wider formats", _wider
     yield "full records, all parameters, the last slot", _full
     yield "telegrams in data blocks of their own", _pinned
     yield f"{ROW} jobs in a row", _row
@@ -76,6 +77,16 @@ def _other_types(field: JobField) -> None:
             letter = Letter(writes=False, parts=(part,))
             errand = Errand(reads.key, (letter,))
             _run(field, errand, *types_of_a_size(AnswerForm(errand, 1, letter, room)))
+
+
+def _wider(field: JobField) -> None:
+    """Single values, and arrays of which the first or the last one decides."""
+    room = field.rig.engine.sizes.last + 1
+    for reads in every_format(room)[::2]:
+        if reads.letters[0].parts[0].format.name in {"Integer8", "Integer16", "Unsigned8", "Unsigned16"}:
+            letter = reads.letters[0]
+            errand = Errand(reads.key, (letter,))
+            _run(field, errand, *wider_integers(AnswerForm(errand, 1, letter, room)))
 
 
 def _full(field: JobField) -> None:
@@ -156,7 +167,7 @@ def _wrong_db(field: JobField) -> None:
             byte = number if number < 256 else channel.get("statReference") % 255 + 1
             other[0] = byte
             scenario = EngineScenario(
-                name=f"a byte {byte:02X}h there", status=(WORDS["WRONG_DB"],), order=(1, WRONG_UNIT_DB, 5),
+                name=f"a byte {byte:02X}h there", status=(WORDS["WRONG_DB"],), order=(1, 5, WRONG_UNIT_DB),
                 telegram=1, calls=None, again=None, follow=False,
             )  # fmt: skip
             _run(field, errand, scenario)

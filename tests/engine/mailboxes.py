@@ -15,6 +15,8 @@ from tests.engine.partner import STATE_CONFLICT
 from tests.engine.scenario import EngineScenario
 
 OFFSETS = 14
+RUNS = 9
+"""Scans in which a job of two telegrams with busy calls runs at least."""
 STUCK = ("without a place", "WRREC has no resources", "no answer comes")
 """What a job may wait for longer than LEASE."""
 NO_RESOURCES = 0xC080C300
@@ -76,7 +78,7 @@ def _twice(order: tuple[int, ...], field: JobField) -> None:
     field.rig.call(order)
     field.step()
     taken = WORDS["SLOT_TAKEN"]
-    for offset in range(OFFSETS):
+    for offset in range(RUNS):
         for number in (1, 2):
             field.job(number).db.set("slot", 2)
         field.start(1)
@@ -188,12 +190,21 @@ def _waits_anew(field: JobField) -> None:
 
 def _no_slot(field: JobField) -> None:
     three(field)
-    slots = field.rig.engine.sizes.slots
+    # before the first call of the channel nobody knows how many it has: it is waited for
     field.rig.call((5, 1))
     field.start(1)
+    field.expect(field.until_end((1,)), {1: (WORDS["NOT_CALLED"],)})
+    field.drop(1)
     field.step()
-    field.expect(field.statuses(1), {1: (WORDS["NO_SLOT"],)})  # its channel was never called
+    field.job(1).db.set("slot", slots := field.rig.engine.sizes.slots)
+    field.rig.plan.set("slots", slots - 1)
+    field.start(1)
+    field.step()
+    field.expect(field.statuses(1), {1: (STARTED,)})
     field.rig.call(ORDERS[0])
+    field.step()
+    field.expect(field.statuses(1), {1: (WORDS["NO_SLOT"],)})
+    field.rig.plan.set("slots", 4)
     for slot in (0, -1, -30000, 5, max(5, slots), slots + 1, 32767):
         field.drop(1)
         field.steps(3)

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Iterator
 from typing import Any
 
-from plcgen.ds47.proof.words import DONE, DRAIN_MS, STEP_MS, WORDS
+from plcgen.ds47.proof.words import DONE, DRAIN_MS, SHORT_PAUSES, STEP_MS, WORDS
 from tests.engine.errands import Errand
 from tests.engine.partner import STATE_CONFLICT
 from tests.engine.scenario import CALLS, RETRIES, EngineScenario
@@ -85,15 +85,17 @@ def _lost_once(errand: Errand, name: str, number: int, **more: Any) -> EngineSce
 
 def _status_always(errand: Errand) -> Iterator[EngineScenario]:
     # ten retries of 200 ms and a few scans each: the first try and ten more
+    # B5: 0 + 20 + 50 + 100 ms are less than one pause, and ten more of 200 ms reach 10 x 200 ms
     for code in (0xA1, 0xA2, 0xA7, 0xB5, 0xC0, 0xC6):
+        times = RETRIES + len(SHORT_PAUSES) if code == 0xB5 else RETRIES
         yield EngineScenario(
             name=f"WRREC always ends with DF80{code:02X}00",
             status=(WORDS["RETRIES"],),
             writes={0: WRITE | code << 8},
-            retries=RETRIES,
+            retries=times,
             telegram=1,
-            calls=(RETRIES, -1),
-            took=(2000, 2600),
+            calls=(times, -1),
+            took=(2000, 2700),
         )
     for code in (0xA2, 0xA7, 0xC0, 0xC6):
         yield EngineScenario(
@@ -144,6 +146,13 @@ def _no_answer_yet(errand: Errand) -> Iterator[EngineScenario]:
         yield EngineScenario(
             name=f"{times} times no answer yet",
             reads=dict.fromkeys(range(1, times + 1), STATE_CONFLICT),
+            retries=count,
+            calls=(0, times),
+        )
+        yield EngineScenario(
+            name=f"{times} times no answer yet, every call ends at once",
+            reads=dict.fromkeys(range(1, times + 1), STATE_CONFLICT),
+            busy=(0, 0),
             retries=count,
             calls=(0, times),
         )
@@ -321,7 +330,8 @@ def cpu_faults(errand: Errand, scans: int) -> Iterator[EngineScenario]:
             name=f"retry in the order {order}", order=order, reads={1: STATE_CONFLICT}, calls=(0, 1), retries=None
         )
     yield from _clock()
-    ends_ = tuple(WORDS[word] for word in ("TIMEOUT", "NO_PLACE"))
+    # B5 for a third of the timeout is a lost request
+    ends_ = tuple(WORDS[word] for word in ("TIMEOUT", "NO_PLACE", *(["UNKNOWN"] if errand.once else [])))
     for late in range(0, 600, 10):  # in the first call in which the time is over, in whatever state it is
         yield EngineScenario(
             name=f"timeout of {late} ms", timeout=late, status=(*ends_, DONE), reads={1: STATE_CONFLICT}, again=None,

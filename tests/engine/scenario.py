@@ -17,8 +17,8 @@ Edit = Callable[[bytes], bytes]
 """What becomes of the bytes of an answer on its way."""
 TIMEOUT, PAUSE, RETRIES = 9000, 200, 10
 """Times in ms and retries of an ordinary order."""
-CALLS = (1, 2, 5)
-"""What OB1 calls: the gate, the channel, the job."""
+CALLS = (1, 5, 2)
+"""What OB1 calls: the gate, the job, the channel."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from plcgen.ds47.proof.words import BUILD, DRAIN, DRAIN_MS, PAUSE, STEP_MS, WORDS, state_name
+from plcgen.ds47.proof.words import DRAIN, DRAIN_MS, HOLD, PAUSE, SHORT_PAUSES, STEP_MS, WORDS, state_name
 from plcgen.proof.scenario import ScenarioError
 from tests.engine.rig import EngineRig
 from tests.engine.scenario import EngineScenario
 
+NO_ANSWER_YET = 0x80B5
+"""Error_Decode and Error_Code_1 of STATUS."""
 TIMED_OUT = frozenset({WORDS["TIMEOUT"], WORDS["NO_PLACE"]})
 
 
@@ -22,7 +24,11 @@ class ChannelTimes:
         self.clock = 0
         self.granted: int | None = None
         self.pausing: int | None = None
+        self.pause = 0
+        """Length of this pause in ms."""
         self.draining: int | None = None
+        self.heard = 0
+        """Record calls that the drive had answered behind the last call."""
         self.early = False
         """Whether what was last done for the job was done before its timeout."""
 
@@ -34,11 +40,11 @@ class ChannelTimes:
     def length(self) -> int:
         """Length of this scan in ms: a pause passes in a long one, the last millisecond of each limit in another."""
         scenario = self.scenario
-        begun = ((self.pausing, scenario.pause), (self.granted, scenario.timeout), (self.draining, DRAIN_MS))
+        begun = ((self.pausing, self.pause), (self.granted, scenario.timeout), (self.draining, DRAIN_MS))
         left = [at + limit - self.clock for at, limit in begun if at is not None and at + limit > self.clock]
         if scenario.happens or not left or scenario.scan > STEP_MS:
             return scenario.scan
-        longest = scenario.scan if self.pausing is None else STEP_MS
+        longest = scenario.scan if self.pausing is None or not self.pause else STEP_MS
         return min(max(min(left) - 1, 1), longest)
 
     def observe(self, passed: int) -> None:
@@ -48,16 +54,17 @@ class ChannelTimes:
         self.watch_timeout(before)
         self.watch_pause(before)
         self.watch_drain(before)
+        self.heard = len(self.rig.drives[0].journal)
 
     def watch_timeout(self, before: int) -> None:
         """The timeout counts from the call that gives the unit, and ends whatever is done for the job then."""
         if not before and self.state:
             self.granted = self.clock
-        if self.granted is None or not BUILD <= before <= PAUSE:
+        if self.granted is None:
             return
         passed = self.clock - self.granted
         self.early = passed < self.scenario.timeout
-        if passed >= self.scenario.timeout and self.state != DRAIN:
+        if HOLD < before < DRAIN and passed >= self.scenario.timeout and self.state not in {DRAIN, HOLD}:
             raise ScenarioError(f"{passed} ms after the start, at a timeout of {self.scenario.timeout}, it goes on")
 
     def check_end(self, status: int) -> None:
@@ -68,14 +75,21 @@ class ChannelTimes:
     def watch_pause(self, before: int) -> None:
         """A retry waits for the pause: no call less and none more."""
         if self.state == PAUSE and before != PAUSE:
-            self.pausing = self.clock
+            self.pausing, self.pause = self.clock, self.next_pause()
         elif before == PAUSE and self.pausing is not None:
             passed = self.clock - self.pausing
-            if self.state != DRAIN and (passed >= self.scenario.pause) != (self.state != PAUSE):
+            if self.state != HOLD and (passed >= self.pause) != (self.state != PAUSE):
                 name = state_name(self.state)
-                raise ScenarioError(f"after {passed} ms of the pause of {self.scenario.pause} the state is {name}")
+                raise ScenarioError(f"after {passed} ms of the pause of {self.pause} the state is {name}")
         if self.state != PAUSE:
             self.pausing = None
+
+    def next_pause(self) -> int:
+        """The first retries of a telegram that has no answer yet come soon."""
+        tried, journal = self.unit.get("retries") - 1, self.rig.drives[0].journal
+        came = len(journal) > self.heard and journal[-1].status >> 8 & 0xFFFF == NO_ANSWER_YET
+        soon = came and tried < len(SHORT_PAUSES)
+        return min(SHORT_PAUSES[tried], self.scenario.pause) if soon else self.scenario.pause
 
     def watch_drain(self, before: int) -> None:
         """A record call may be active for DRAIN_LIMIT behind the end of a telegram."""

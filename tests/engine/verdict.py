@@ -5,11 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from plcgen.ds47.proof.words import NO_ANSWER
-from plcgen.ds47.wire.formats import BYTE, DOUBLE_WORD, ERROR, TIME_DIFFERENCES, ZERO, find, padded
+from plcgen.ds47.wire.formats import (
+    BYTE,
+    DOUBLE_WORD,
+    ERROR,
+    TIME_DIFFERENCES,
+    WORD,
+    ZERO,
+    FormatKind,
+    find,
+    integer_range,
+    padded,
+)
 from tests.engine.errands import Letter, Wanted
 
 FOREIGN = "FOREIGN"
 """The answer to something else: it is read past."""
+OLDER = range(0x21, 0x2D)
+"""The normalised formats as they were numbered before 71h to 7Ch (Danfoss MCA 120, p. 42)."""
+NARROW = (FormatKind.SIGNED, FormatKind.UNSIGNED)
 
 
 @dataclass(slots=True)
@@ -69,6 +83,12 @@ def _blocks(letter: Letter, answer: bytes, *, negative: bool) -> Verdict:
     verdict = silence(letter, "DONE")
     at, broken = 4, False
     for number, part in enumerate(letter.parts):
+        unknown = at + 2 <= len(answer) and not broken and find(answer[at]) is None
+        if unknown:  # where the next block begins nobody knows: the rest of the answer is this one
+            verdict.errors[number], verdict.infos[number] = 0x8100 | answer[at], answer[at + 1]
+            verdict.failed = verdict.failed or number + 1
+            broken, at = len(answer) % 2 == 1, len(answer)
+            break
         block = None if broken else _block(answer, at)
         if block is None:
             broken = True
@@ -106,7 +126,25 @@ def _one(verdict: Verdict, number: int, part: Wanted, block: bytes, *, writes: b
         return
     wanted = (ZERO, 0, 0) if writes else (part.format.code, part.count, part.size)
     same = {wanted[0]} | (set(TIME_DIFFERENCES) if wanted[0] in TIME_DIFFERENCES else set())
-    if (count, len(values)) == wanted[1:] and (code in same or (not writes and BYTE <= code <= DOUBLE_WORD)):
+    older = code + 0x50 if code in OLDER else code
+    narrow: bytes | None = (
+        None if writes or count != part.count or code not in {WORD, DOUBLE_WORD} else _narrow(part, values)
+    )
+    if (count, len(values)) == wanted[1:] and (older in same or (not writes and BYTE <= code <= DOUBLE_WORD)):
         verdict.errors[number], verdict.taken[number] = 0, block
+    elif narrow is not None:
+        verdict.errors[number], verdict.taken[number] = 0, block[:2] + narrow
     else:
         verdict.errors[number], verdict.infos[number] = 0x8100 | code, count
+
+
+def _narrow(part: Wanted, values: bytes) -> bytes | None:
+    """The values of an integer that came wider than it is, if all of them fit."""
+    bounds, width = integer_range(part.format), len(values) // max(part.count, 1)
+    if part.format.code > 0x07 or part.format.kind not in NARROW or bounds is None or width <= part.format.size:
+        return None
+    signed = part.format.kind is FormatKind.SIGNED
+    numbers = [int.from_bytes(values[at : at + width], signed=signed) for at in range(0, len(values), width)]
+    if not all(bounds[0] <= number <= bounds[1] for number in numbers):
+        return None
+    return b"".join(number.to_bytes(part.format.size, signed=signed) for number in numbers)

@@ -30,7 +30,7 @@ KNOWN = (
         "tempWord := W#16#8000 OR BYTE_TO_WORD(unit.record[tempFrom + 3])",
         "tempWord := BYTE_TO_WORD(unit.record[tempFrom + 3])",
     ),
-    Known("no drain", MM4, CHANNEL, "IF NOT (statWriteActive OR statReadActive) OR statTimer", "IF TRUE OR statTimer"),
+    Known("no drain", MM4, CHANNEL, "(NOT tempActive OR statTimer", "(TRUE OR statTimer"),
     Known(
         "an old answer is fatal",
         MM4,

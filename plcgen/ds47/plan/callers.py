@@ -58,7 +58,7 @@ def footprint(
 class Callers:
     """Hands out the callers in the order of the jobs, the channel of a unit with the unit's first job.
 
-    So a job that is added behind the others moves none of them, and every channel is called before its jobs.
+    So a job that is added behind the others moves none of them.
     """
 
     def __init__(self, numbering: Numbering) -> None:

@@ -21,7 +21,7 @@ from plcgen.ds47.proof.step_facts import Steps, longest_waits, route
 from plcgen.ds47.proof.step_run import StepRun
 from plcgen.ds47.proof.untouched import Untouched
 from plcgen.ds47.proof.wait_times import WaitTimes
-from plcgen.ds47.proof.words import DONE, DRAIN, DRAIN_MS, HOLD, NO_ANSWER, state_name
+from plcgen.ds47.proof.words import DONE, DRAIN_MS, HOLD, NO_ANSWER, state_name
 from plcgen.proof.runner import Run
 from plcgen.proof.scenario import ScenarioError
 
@@ -178,7 +178,7 @@ class JobConduct:
             return max(1, self.rig.job.cycle // 2)
         if run.scenario.meddle and run.scans > 1:
             self.rig.meddle()
-        if steps.robbed and steps.robbed == self.steps.handed and self.rig.unit.get("state") == DRAIN:
+        if steps.robbed and steps.robbed == self.steps.handed and self.rig.answered:
             self.rig.alive(SLOT)
         if later is not None and run.scans == 2:
             self.rig.tell(later)
@@ -204,7 +204,7 @@ class JobConduct:
             self.untouched.check()
         if self.times is not None:
             self.times.observe(telegram, busy=run.seen[0])
-        if rig.building:
+        if rig.takes_over():
             self.handed_over(telegram)
         if rig.job.in_steps:
             self.steps.observe(busy=run.seen[0])

@@ -19,7 +19,7 @@ from plcgen.ds47.proof.records import NUMBER, Records, recipe_signals
 from plcgen.ds47.proof.rig import record_index
 from plcgen.ds47.proof.step_facts import overwritten
 from plcgen.ds47.proof.stimulus import UNITS, own_dbs, pair_fb
-from plcgen.ds47.proof.words import BUILD, DONE, GRANT
+from plcgen.ds47.proof.words import DONE, GATE, GRANT, READ
 from plcgen.ds47.sim.awaited import let_come
 from plcgen.ds47.sim.behaviour import LOCAL_INDEX
 from plcgen.ds47.sim.bench import build_unit
@@ -149,7 +149,7 @@ class ThreeInstances:
     def addressed(self) -> None:
         """A telegram is handed over for the drive object of the instance that has the unit. Raises ScenarioError."""
         for unit, instances in self.units:
-            if unit.get("state") != BUILD:
+            if not GATE <= unit.get("state") <= READ:
                 continue
             slot, addressed = unit.get("turn.grant") // GRANT, unit.bytes("telegram", 3)[2]
             for one in instances:

@@ -14,7 +14,24 @@ from plcgen.oracles.documents import device
 from plcgen.proof.ledger import Assumption, Grade
 
 _GRADES = {"read": Grade.MANUAL, "inferred": Grade.SECOND, "recalled": Grade.GENERAL}
+_ASYNCHRONOUS = 'TIA Portal help, "Difference between synchronous and asynchronous instructions"; "RDREC", "WRREC"'
+_COMMON = (
+    (
+        "a record job starts by the level of REQ or by its edge: both are tried",
+        f"{_ASYNCHRONOUS}; LAcycCom",
+        Grade.SECOND,
+    ),
+    ("DONE, VALID, ERROR and STATUS count in the call that returns them", _ASYNCHRONOUS, Grade.MANUAL),
+    ("RECORD, ID, INDEX, LEN and MLEN must not change while BUSY", _ASYNCHRONOUS, Grade.MANUAL),
+)
+"""Of WRREC and RDREC."""
 _RETRIES = "SIMATIC system functions, STATUS of SFB 52 and 53; practice of data set 47 for B5h"
+
+
+_CLOCKS = {
+    True: "TIME_TCK counts ms up to 2147483647 and begins at 0 again",
+    False: "ET of a TON counts ms as long as IN is TRUE, and stays at PT",
+}
 
 
 def ledger(plan: DrivePlan) -> Iterator[Assumption]:
@@ -36,6 +53,8 @@ def ledger(plan: DrivePlan) -> Iterator[Assumption]:
         )
     if plan.jobs:
         yield Assumption("records", "A2h to A4h, A7h, B5h, C0h to C6h and A1h of WRREC pass", _RETRIES, Grade.SECOND)
+        yield from (Assumption("WRREC and RDREC", text, source, grade) for text, source, grade in _COMMON)
+        yield Assumption("clock", _CLOCKS[plan.target.classic], "TIA Portal help, TON and TIME_TCK", Grade.MANUAL)
 
 
 def _device(known: Device, drives: Sequence[PlannedDrive]) -> Iterator[Assumption]:

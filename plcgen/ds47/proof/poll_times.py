@@ -31,6 +31,8 @@ class PollTimes:
         """When the job heard that the drive has taken the write."""
         self.asked = 0
         """When the last question was handed over, or the write taken."""
+        self.served = 0
+        """The telegram that had its answer when the job was called last."""
         self.answered = False
         """Whether the telegram handed over last has its answer."""
         self.stood = self.still = False
@@ -42,13 +44,14 @@ class PollTimes:
         if telegram != self.telegram:
             self.telegram, self.answered = telegram, False
             self._handed_over()
-        elif busy and self.rig.unit.get("turn.served") == self.telegram:
+        elif busy and self.served == self.telegram:
             self.answered = True
             if self.taken is None:
                 if self.writes:
                     self.taken = self.asked = self.clock.time
             elif self.clock.time - self.asked >= self.poll.interval:
                 raise ScenarioError(f"no question {self.clock.time - self.asked} ms after the one before")
+        self.served = self.rig.unit.get("turn.served")
 
     def _handed_over(self) -> None:
         """A telegram: a question must not come too soon, nor behind the last one."""

@@ -15,7 +15,7 @@ from plcgen.ds47.proof.restoration import CAUSE
 from plcgen.ds47.proof.scenario import Contents
 from plcgen.ds47.proof.step_facts import FAILED, triggers
 from plcgen.ds47.proof.stimulus import SLOTS, UNITS, shape_fb
-from plcgen.ds47.proof.words import BUILD, COUNTERS, STEP_MS
+from plcgen.ds47.proof.words import COUNTERS, HOLD, STEP_MS
 from plcgen.ds47.sim.awaited import let_come
 from plcgen.ds47.sim.bench import build_unit
 from plcgen.ds47.sim.parameters import Keeps
@@ -44,7 +44,7 @@ WAIT_MS, WAIT_LIMIT_MS = 500, 60_000
 """How long a job waits for its unit: where another job has it, and usually."""
 
 
-CHANNEL = ("channel0.waitLimit", "channel0.recordIndex", "jobsOnly")
+CHANNEL = ("channel0.waitLimit", "channel0.recordIndex", "channel0.statReference", "jobsOnly")
 
 
 def record_index(plan: DrivePlan, job: DriveJob) -> int:
@@ -83,7 +83,7 @@ class JobRig:
         self.drive.asked = self.let_come if job.waits else None
         self.unit = self.unit_of(UNITS[0])
         self.source = Source(program, job.block)
-        self.set_number = 0
+        self.set_number = self._reference = 0
         self.values = self.value_set("factory")
 
     def unit_of(self, name: str) -> Members:
@@ -187,7 +187,7 @@ class JobRig:
 
     def meddle(self) -> None:
         """Change all inputs but the slot; of the channel the record, which it takes over with the telegram."""
-        self.channel.set("recordIndex", record_index(self.plan, self.job) ^ (self.unit.get("state") >= BUILD))
+        self.channel.set("recordIndex", record_index(self.plan, self.job) ^ (self.unit.get("state") > HOLD))
         self.db.set("driveObject", self.drive_object ^ 0xFF)
         self.db.set(self.id_name, self.id_value ^ 0xFF)
         for member, data in self.values.inputs(self.job):
@@ -258,6 +258,11 @@ class JobRig:
         slot = self.db.get("slot")
         return self.unit.get(f"asks[{slot}].telegram") if 0 < slot <= SLOTS else 0
 
+    @property
+    def answered(self) -> bool:
+        """Whether the telegram that was handed over last has its result, which the job has not been called with."""
+        return self.unit.get("state") == HOLD and self.unit.get("turn.served") == self.telegram > 0
+
     # --- another job ------------------------------------------------------------------------------
 
     def occupy(self) -> None:
@@ -299,10 +304,10 @@ class JobRig:
     def called_alone(self, alone: bool) -> None:
         self.channel.set("jobsOnly", alone)
 
-    @property
-    def building(self) -> bool:
-        """Whether the channel has just taken a telegram over."""
-        return self.unit.get("state") == BUILD and not self.called_alone
+    def takes_over(self) -> bool:
+        """Whether the channel has taken a telegram over since this was asked last: each has another reference."""
+        before, self._reference = self._reference, self.channel.get("statReference")
+        return self._reference not in {before, 0}
 
     def order(self) -> dict[str, int]:
         """What goes with the request."""

@@ -80,7 +80,13 @@ def _caller(plan: DrivePlan, job: DriveJob, name: str, jobs: dict[str, tuple[int
     if job.recipe is not None:
         type_ = f'Array[1..{job.recipe.count}] of "{job.recipe.type.name}"'
         declared += [f"{key}Records : {type_};" for key in jobs]
-    calls = ["IF NOT #jobsOnly THEN", f'#gate(places := 4, channels := {len(units)}, gate := "{GATE_DB}".gate);']
+    gate = f'#gate(places := 4, channels := {len(units)}, gate := "{GATE_DB}".gate);'
+    calls = [f"IF NOT #jobsOnly THEN {gate} END_IF;"]
+    for key, (unit, _, (request, response)) in jobs.items():
+        own = f'requestDb := "{request}", responseDb := "{response}", ' if job.pinned else ""
+        own += "" if job.recipe is None else f"records := #{key}Records, "
+        calls.append(f'#{key}({own}unit := "{UNITS[unit]}".unit);')
+    calls.append("IF NOT #jobsOnly THEN")
     for unit in units:
         db = f', unitDb := "{UNITS[unit]}"' if plan.target.classic else ""
         calls.append(
@@ -88,10 +94,6 @@ def _caller(plan: DrivePlan, job: DriveJob, name: str, jobs: dict[str, tuple[int
             f'unit := "{UNITS[unit]}".unit, place := "{GATE_DB}".gate.channels[{unit + 1}]);'
         )
     calls.append("END_IF;")
-    for key, (unit, _, (request, response)) in jobs.items():
-        own = f'requestDb := "{request}", responseDb := "{response}", ' if job.pinned else ""
-        own += "" if job.recipe is None else f"records := #{key}Records, "
-        calls.append(f'#{key}({own}unit := "{UNITS[unit]}".unit);')
     lines = "\n  ".join(declared)
     body = "\n".join(calls)
     return f'FUNCTION_BLOCK "{name}"\n{_HEAD}\nVAR\n  {lines}\nEND_VAR\nBEGIN\n{body}\nEND_FUNCTION_BLOCK\n'

@@ -4,9 +4,9 @@ imported from the generator, so that a wrong word there shows here.
 
 from __future__ import annotations
 
-STATES = ("IDLE", "HOLD", "BUILD", "GATE", "WRITE", "READ", "CHECK", "PAUSE", "DRAIN")
+STATES = ("IDLE", "HOLD", "BUILD", "GATE", "WRITE", "READ", "PAUSE", "DRAIN")
 """The states of a channel: their numbers count from 0."""
-IDLE, HOLD, BUILD, GATE, WRITE, READ, CHECK, PAUSE, DRAIN = range(9)
+IDLE, HOLD, BUILD, GATE, WRITE, READ, PAUSE, DRAIN = range(8)
 
 
 def state_name(state: int) -> str:
@@ -16,12 +16,14 @@ def state_name(state: int) -> str:
 
 TRANSITIONS = frozenset(
     {
-        (IDLE, HOLD), (HOLD, IDLE), (HOLD, BUILD), (BUILD, GATE), (BUILD, DRAIN), (GATE, WRITE),
-        (GATE, READ), (GATE, DRAIN), (WRITE, READ), (WRITE, PAUSE), (WRITE, DRAIN), (READ, CHECK), (READ, PAUSE),
-        (READ, DRAIN), (CHECK, PAUSE), (CHECK, DRAIN), (PAUSE, BUILD), (PAUSE, GATE), (PAUSE, DRAIN), (DRAIN, HOLD),
+        (IDLE, HOLD), (HOLD, IDLE), (HOLD, GATE), (HOLD, WRITE), (HOLD, READ), (HOLD, PAUSE),
+        (GATE, WRITE), (GATE, READ), (GATE, PAUSE), (GATE, HOLD), (WRITE, READ), (WRITE, PAUSE), (WRITE, DRAIN),
+        (WRITE, HOLD), (READ, PAUSE), (READ, DRAIN), (READ, HOLD), (PAUSE, GATE), (PAUSE, HOLD), (DRAIN, HOLD),
     }
 )  # fmt: skip
-"""From one call of a channel to the next."""
+"""From one call of a channel to the next. BUILD is passed within a call, DRAIN with no record call active too."""
+SHORT_PAUSES = (0, 20, 50, 100)
+"""ms before the first retries of a telegram without an answer (B5), none of them longer than the pause of the job."""
 
 MEANINGS = {
     0x0000: ("DONE", "job done, no error"),

@@ -1,4 +1,4 @@
-"""The callers: function blocks that call the gate, every channel and every job, a line of the OB for each."""
+"""The callers: function blocks that call the gate, every job and every channel, a line of the OB for each."""
 
 from __future__ import annotations
 

@@ -88,6 +88,7 @@ _GENERIC = {1: BYTE, 2: WORD, 4: DOUBLE_WORD}
 _TABLE_4_3 = "FAQ 109750712 table 4-3"
 _MM4 = "MM4 guide part 3 table 2-2"
 _PROFILE = "PROFIdrive profile, data types, as in OPC 30144 table 59 and in Siemens' application example AC4"
+_MCA120 = "Danfoss VLT PROFINET MCA 120, p. 42 (21h, 23h); the others as far below 71h to 7Ch"
 _G120X = "SINAMICS G120X operating instructions p. 222"
 
 FORMATS: tuple[Format, ...] = (
@@ -130,9 +131,19 @@ FORMATS: tuple[Format, ...] = (
 )
 
 
+_OLDER = 0x50
+"""So much lower are the older codes of 71h to 7Ch."""
+OLDER = tuple(
+    Format(item.code - _OLDER, f"{item.name} ({item.code - _OLDER:02X}h)", item.size, item.kind, _MCA120)
+    for item in FORMATS
+    if 0x71 <= item.code <= 0x7C
+)
+"""N2 to X4 under the numbers that they had before, 21h to 2Ch: some devices answer so."""
+
+
 @cache
 def _codes() -> dict[int, Format]:
-    return {item.code: item for item in FORMATS}
+    return {item.code: item for item in (*FORMATS, *OLDER)}
 
 
 @cache
@@ -180,7 +191,8 @@ def accepts(declared: Format, wire: int) -> bool:
 
 def answers(declared: Format) -> tuple[int, ...]:
     """Codes in which a drive may answer ``declared``: its own first, the generic one of the same size last."""
-    same = TIME_DIFFERENCES if declared.code in TIME_DIFFERENCES else ()
+    same: tuple[int, ...] = TIME_DIFFERENCES if declared.code in TIME_DIFFERENCES else ()
+    same += tuple(item.code for item in OLDER if item.code + _OLDER == declared.code)
     generic = None if declared.is_string else generic_of(declared.size)
     return tuple(dict.fromkeys((declared.code, *same, *([generic.code] if generic is not None else []))))
 

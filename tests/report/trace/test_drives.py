@@ -42,10 +42,10 @@ def test_objects_of_one_unit_take_turns(project: tuple[Path, Path]) -> None:
     """Those at one address are one unit: one after the other. The third one runs at once."""
     trace = api.simulate(*project)
     assert ends(trace) == {
-        "read_x": ("done", 13, 0),
-        "read_y": ("done", 26, 0),
-        "read_z": ("done", 13, 0),
-        "set_z": ("done", 26, 0),
+        "read_x": ("done", 8, 0),
+        "read_y": ("done", 15, 0),
+        "read_z": ("done", 8, 0),
+        "set_z": ("done", 15, 0),
     }
     objects = [c.data[2] for step in trace.steps for c in step.contacts if c.group == "read_y"]
     assert objects == [4, 4]
@@ -77,7 +77,7 @@ def test_values_and_errors_by_parameter(project: tuple[Path, Path]) -> None:
         ("P1120", 5.0, None, 0),
         ("P1121", 8.0, 2, 3),
     ]
-    assert ends(trace) == {"set_z": ("error", 13, 0)}
+    assert ends(trace) == {"set_z": ("error", 8, 0)}
 
 
 def test_a_value_that_is_called_state(tmp_path: Path) -> None:
@@ -104,7 +104,7 @@ def test_a_hardware_identifier_by_name(tmp_path: Path) -> None:
         "utf-8",
     )
     assert api.generate(spec, tmp_path / "out").ok
-    assert ends(api.simulate(spec, tmp_path / "out")) == {"read_speed": ("done", 13, 0)}
+    assert ends(api.simulate(spec, tmp_path / "out")) == {"read_speed": ("done", 8, 0)}
 
 
 def test_runs_of_one_simulation_know_nothing_of_each_other(

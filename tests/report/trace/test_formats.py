@@ -75,26 +75,14 @@ def test_vcd_is_the_run(run: Run) -> None:
     assert vcd.types["read_ramp_up.WRREC_STATUS"] == "wire 32"
     assert vcd.types["read_ramp_up.state"] == "integer 16"
     assert vcd.types["read_ramp_up.state_name"] == "string 1"
-    assert vcd.changes["read_ramp_up.rampUpTime1"] == [(0, 0.0), (130, 10.0)]
-    assert vcd.changes["read_ramp_up.WRREC_BUSY"] == [(0, 0), (60, 1), (80, 0)]
-    assert vcd.changes["read_ramp_up.state"] == [
-        (0, 0),
-        (10, 9),
-        (20, 1),
-        (30, 2),
-        (40, 3),
-        (50, 4),
-        (80, 5),
-        (110, 6),
-        (120, 8),
-        (130, 0),
-    ]
-    assert [name for _, name in vcd.changes["read_ramp_up.state_name"]] == [
-        "IDLE", "WAITING", "HOLD", "BUILD", "GATE", "WRITE", "READ", "CHECK", "DRAIN", "IDLE",
-    ]  # fmt: skip
-    assert vcd.changes["read_ramp_up.status"] == [(0, 0x7000), (10, 0x7001), (20, 0x7002), (130, 0)]
-    assert vcd.changes["dcm.request"] == [(0, "-"), (80, "010102011001C47F0000")]
-    assert vcd.changes["dcm.response"] == [(0, "-"), (110, "01010201080141200000")]
+    assert vcd.changes["read_ramp_up.rampUpTime1"] == [(0, 0.0), (80, 10.0)]
+    assert vcd.changes["read_ramp_up.WRREC_BUSY"] == [(0, 0), (20, 1), (40, 0)]
+    assert vcd.changes["read_ramp_up.state"] == [(0, 0), (10, 1), (20, 4), (40, 5), (70, 1), (80, 0)]
+    names = [name for _, name in vcd.changes["read_ramp_up.state_name"]]
+    assert names == ["IDLE", "HOLD", "WRITE", "READ", "HOLD", "IDLE"]
+    assert vcd.changes["read_ramp_up.status"] == [(0, 0x7000), (10, 0x7001), (20, 0x7002), (80, 0)]
+    assert vcd.changes["dcm.request"] == [(0, "-"), (40, "010102011001C47F0000")]
+    assert vcd.changes["dcm.response"] == [(0, "-"), (70, "01010201080141200000")]
     assert all(changes[0][0] == 0 for changes in vcd.changes.values())
 
 
@@ -138,7 +126,7 @@ def test_json(run: Run) -> None:
     assert (data["kind"], data["ok"], data["ended"], data["main"]) == ("trace", True, "jobs", "Main")
     ids = [signal["id"] for signal in data["signals"]]
     assert len(ids) == len(set(ids))
-    assert data["steps"][0]["changes"]["read_ramp_up.state"] == 9
+    assert data["steps"][0]["changes"]["read_ramp_up.state"] == 1
     assert set().union(*(step["changes"] for step in data["steps"])) <= set(ids)
     write, refused, read = (found for step in data["steps"] for found in step["exchanges"])
     assert write["telegram"]["hex"] == "010102011001C47F0000"
@@ -161,29 +149,24 @@ GOLDEN = """\
 S7-300_6RA80_DP_TIA, s7-300 / tia-v16: FOLDER
 OB "Main" every 10 ms
 
-scan   ms  job           state    record call          drive  job status
-   1   10  read_ramp_up  WAITING                              busy 7001
-   2   20  read_ramp_up  HOLD                          dcm    busy 7002
-   3   30  read_ramp_up  BUILD                         dcm    busy 7002
-   4   40  read_ramp_up  GATE                          dcm    busy 7002
-   5   50  read_ramp_up  WRITE                         dcm    busy 7002
-   6   60  read_ramp_up  WRITE    WRREC REQ BUSY 7001  dcm    busy 7002
-   7   70  read_ramp_up  WRITE    WRREC BUSY 7002      dcm    busy 7002
-   8   80  read_ramp_up  READ     WRREC DONE           dcm    busy 7002
+scan  ms  job           state  record call          drive  job status
+   1  10  read_ramp_up  HOLD                        dcm    busy 7001
+   2  20  read_ramp_up  WRITE  WRREC REQ BUSY 7001  dcm    busy 7002
+   3  30  read_ramp_up  WRITE  WRREC BUSY 7002      dcm    busy 7002
+   4  40  read_ramp_up  READ   WRREC DONE           dcm    busy 7002
       -> dcm: 01 01 02 01 10 01 C4 7F 00 00   reference 1, object 2, read P50303
-   9   90  read_ramp_up  READ     RDREC REQ BUSY 7001  dcm    busy 7002
-  10  100  read_ramp_up  READ     RDREC BUSY 7002      dcm    busy 7002
-  11  110  read_ramp_up  CHECK    RDREC VALID 10 B     dcm    busy 7002
+   5  50  read_ramp_up  READ   RDREC REQ BUSY 7001  dcm    busy 7002
+   6  60  read_ramp_up  READ   RDREC BUSY 7002      dcm    busy 7002
+   7  70  read_ramp_up  HOLD   RDREC VALID 10 B     dcm    busy 7002
       <- dcm: 01 01 02 01 08 01 41 20 00 00   reference 1, P50303 = 10.0
-  12  120  read_ramp_up  DRAIN                         dcm    busy 7002
-  13  130  read_ramp_up  IDLE                          dcm    done 0000
+   8  80  read_ramp_up  IDLE                               done 0000
       rampUpTime1 = 10.0 s
 
 read_ramp_up: done 0000 job done, no error
-  13 scans, 130 ms, 1 telegram, no retry
+  8 scans, 80 ms, 1 telegram, no retry
   P50303  rampUpTime1 = 10.0 s
 
-1 job: 1 done; 13 scans, 130 ms
+1 job: 1 done; 8 scans, 80 ms
 """
 
 
@@ -198,7 +181,7 @@ def test_text_fits_the_screen(run: Run, width: int) -> None:
     """No row of the table is wider than the screen, with long names and messages too."""
     trace = run(faults=["busy:times=2", "error:number=2,after=1"])
     lines = show("text", trace, width=width).split("\n\n")[1].splitlines()
-    assert len(lines) > 40
+    assert len(lines) > 30
     if width >= 80:
         assert max(map(len, lines)) <= width
         assert sum(" write_ramp_down " in line for line in lines) > 8
@@ -217,7 +200,7 @@ def test_text_of_a_failed_job(run: Run) -> None:
     text = show("text", run(jobs=["read_ramp_up"], faults=["error:number=17"]), width=120)
     assert "read_ramp_up: error 8401 the drive refused at least one parameter, see errors" in text
     assert "  P50303  rampUpTime1 error 11h " in text
-    assert text.endswith("1 job: 1 error; 13 scans, 130 ms\n")
+    assert text.endswith("1 job: 1 error; 8 scans, 80 ms\n")
 
 
 def test_value_is_what_the_bytes_mean() -> None:

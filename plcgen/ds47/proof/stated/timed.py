@@ -9,7 +9,8 @@ from plcgen.ds47.proof.stated.nominal import SCANS_LATE, AnyInput
 from plcgen.ds47.proof.stated.rig import DONE, LONGEST_SCAN, SCAN, StatedRun
 from plcgen.ds47.proof.stated.scene import Scene
 from plcgen.oracles.spec.ds47.boundaries import Answer, failing
-from plcgen.oracles.spec.ds47.recorder import HeardTelegram, Key
+from plcgen.oracles.spec.ds47.recorder import NO_ANSWER_YET, HeardTelegram, Key
+from plcgen.oracles.spec.ds47.settings import SOON_MS
 from plcgen.oracles.spec.ds47.statement import StatedJob, StatedStep
 
 TIMEOUT, RETRIES, LOST, TOO_SOON = 0x8101, 0x8203, 0x8205, 0x8502
@@ -37,6 +38,8 @@ def timed_runs(scene: Scene) -> Iterator[Sequence[StatedRun]]:
     if job.timeout_ms - spare_ms(job) > 0:
         yield [silent(scene, too_long=False)]
     yield [retried(scene)]
+    if job.retries and job.timeout_ms > 3 * (sum(SOON_MS) + 2 * TELEGRAM_MS):
+        yield [waited(scene)]
     if not job.steps[0].once and job.retries and job.timeout_ms - spare_ms(job) > job.pause_ms + 2 * TELEGRAM_MS:
         yield [sent_again(scene)]
     for number, step in enumerate(job.steps):
@@ -107,6 +110,28 @@ def retried(scene: Scene) -> StatedRun:
 
     run = scene.run(ends, before=lambda: setattr(scene.device, "write_status", lambda: TEMPORARY_WRITE))
     run.pace = pace
+    return run
+
+
+def waited(scene: Scene) -> StatedRun:
+    """RDREC has no answer yet, a few times: it is asked soon again at first, but for a shorter pause of the job."""
+    job, left = scene.job, [len(SOON_MS)]
+
+    def status() -> int:
+        left[0] -= 1
+        return NO_ANSWER_YET if left[0] >= 0 else 0
+
+    def ends(run: StatedRun) -> None:
+        times = [at for at, kind in run.calls if kind == "RDREC"][: len(SOON_MS) + 1]
+        gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
+        wanted = [min(pause, job.pause_ms) for pause in SOON_MS]
+        late = [gap - pause for gap, pause in zip(gaps, wanted, strict=True)]
+        good = min(late) >= 0 and sorted(late)[-1 - starts_over(run.took)] <= LATE_RETRY_MS
+        scene.demand(job.place, f"pauses of {wanted} ms before an answer", f"{gaps} ms", good=good)
+        scene.status(run, DONE, when="if the answer is late")
+
+    run = scene.run(ends, before=lambda: setattr(scene.device, "read_status", status))
+    run.pace = lambda: 1 if left[0] >= 0 else SCAN
     return run
 
 

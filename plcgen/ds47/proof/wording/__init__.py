@@ -44,6 +44,8 @@ _TITLES = {
     "activate": tuple(f"{word} the drive object" for word in ("Activate", "Deactivate", "Activate or deactivate")),
 }
 FAMILY = "DS47"
+VERSIONS = {"channel": "1.1", "ticket": "1.1", "gate": "1.0"}
+"""Of the blocks of the engine."""
 _CONDITION = re.compile(r"[rP]\d\S* [=<>]+ [^,，]+")
 _EXPECTED = re.compile(r"\S*expected\[(?P<number>\d+)\] :=")
 INTEGERS = frozenset({"SINT", "USINT", "INT", "UINT", "DINT", "UDINT", "LINT", "ULINT"})
@@ -308,11 +310,11 @@ class DriveWording:
         return {"WRREC": "1.1" if self.plan.target.t15 else "1.0", "RDREC": "1.0", "TON_TIME": "1.0", **own}
 
     def version(self, block: Block) -> str | None:
-        """1.0 of the blocks whose code is the same in every project, and of jobs."""
+        """Of the blocks whose code is the same in every project a number of their own, 1.0 of jobs."""
         if self.title(block) is None:
             return None
         code = block.kind is BlockKind.FB and block.name.upper() not in self.callers
-        return "1.0" if code else "0.1"
+        return VERSIONS.get(self.engine.get(block.name.upper(), ""), "1.0" if code else "0.1")
 
     def _numbered(self, job: DriveJob, use: Use, called: str, text: str) -> bool:
         """Whether a line says which access has a number: what is done with which parameter, or what is waited for."""

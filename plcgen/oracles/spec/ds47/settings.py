@@ -9,6 +9,8 @@ from typing import Any
 from plcgen.oracles.spec.ds47.times import milliseconds
 
 TIMEOUT_MS, PAUSE_MS = 10_000, 200
+SOON_MS = 0, 20, 50, 100
+"""Before the first questions for an answer that is not there yet, none of them longer than the pause of the job."""
 SHARE = 4, 5
 """The retries take 80 % of the timeout."""
 MOST_RETRIES = 30_000

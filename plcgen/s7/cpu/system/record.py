@@ -85,8 +85,11 @@ class RecordJob:
 class RecordJobs:
     """All record jobs of a CPU. They go on when their block is not called: time ends them, not calls.
 
-    ``ended`` is told of every job that the drive has answered.
+    ``ended`` is told of every job that the drive has answered. ``on_edge``: a job starts only if REQ was FALSE in the
+    call before. Manuals say level ("REQ = 1: transfer data record"); Siemens' LAcycCom resets REQ before every job.
     """
+
+    on_edge = False
 
     def __init__(
         self, bus: Periphery, clock: list[int], eno: list[bool], places: RecordPlaces, *, idle_needs_place: bool
@@ -163,6 +166,8 @@ class RecordBlock:
         self.cpu = cpu
         self.report = report
         self.called: dict[Key, int] = {}
+        self.requested: dict[Key, bool] = {}
+        """REQ in the last call of each instance."""
         self.scan = 0
         fields = shape.index
         self.req = self._bit(fields["REQ"].offset)
@@ -185,7 +190,11 @@ class RecordBlock:
         key = (id(memory), offset)
         self.called[key] = self.scan
         job = self.cpu.jobs.get(key)
-        if job is None and not memory[offset + self.req[0]] & self.req[1]:
+        starts = requested = bool(memory[offset + self.req[0]] & self.req[1])
+        if self.cpu.on_edge:
+            starts = requested and not self.requested.get(key)
+        self.requested[key] = requested
+        if job is None and not starts:
             refused = self.cpu.idle_needs_place and not self.cpu.free(write=self.write)
             self.finish(memory, offset, (False, False, refused), BUSY_RESOURCE if refused else IDLE)
             return
