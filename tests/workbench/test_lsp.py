@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcException
+from pygls.workspace import Workspace as PyglsWorkspace
 
 from tests.workbench.client import Editor, at, talk
 from tests.workbench.test_sources import DB, FB, UDT
@@ -237,3 +239,44 @@ def test_without_pygls(monkeypatch: pytest.MonkeyPatch) -> None:
     result = CliRunner().invoke(verb.command, [])
     assert result.exit_code == 2
     assert 'pip install "plcgen[lsp]"' in result.output
+
+
+def test_edits_leave_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """10,000 edits without a pause are answered once; afterwards nothing waits, and one document is known."""
+    from plcgen.workbench.lsp.server import Server
+
+    monkeypatch.setattr("plcgen.workbench.lsp.server.PAUSE", 0.01)
+    uri = (tmp_path / "plant.yaml").as_uri()
+
+    async def type_() -> tuple[Server, list[lsp.PublishDiagnosticsParams]]:
+        server = Server()
+        server.protocol._workspace = PyglsWorkspace(tmp_path.as_uri())
+        told: list[lsp.PublishDiagnosticsParams] = []
+        heard = asyncio.Event()
+        monkeypatch.setattr(server, "text_document_publish_diagnostics", lambda one: told.append(one) or heard.set())
+        for n in range(10_000):
+            server.workspace.put_text_document(lsp.TextDocumentItem(uri, "yaml", n, f"{GOOD}# {n}\n"))
+            server.take(uri)
+        await asyncio.wait_for(heard.wait(), 60)
+        return server, told
+
+    server, told = asyncio.run(type_())
+    assert [one.uri for one in told] == [uri]
+    assert (len(server.pending), len(server.told), len(server.desks)) == (0, 1, 1)
+    assert [document.text[-6:] for document in server.desks[0].documents] == [" 9999\n"]
+
+
+def test_what_is_too_large_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A text beyond the bound of a file is one diagnostic on its first line, and is not kept."""
+    from plcgen.workbench.lsp.server import Server
+
+    monkeypatch.setattr("plcgen.workbench.service.documents.MAX_BYTES", 100)
+    server = Server()
+    server.protocol._workspace = PyglsWorkspace(tmp_path.as_uri())
+    told: list[lsp.PublishDiagnosticsParams] = []
+    monkeypatch.setattr(server, "text_document_publish_diagnostics", told.append)
+    uri = (tmp_path / "plant.yaml").as_uri()
+    server.workspace.put_text_document(lsp.TextDocumentItem(uri, "yaml", 1, GOOD))
+    server.take(uri)
+    assert ["larger" in one.message for one in told[-1].diagnostics] == [True]
+    assert not list(server.desks[0].documents)

@@ -18,7 +18,7 @@ from pygls.lsp.server import LanguageServer
 from pygls.uris import to_fs_path
 
 from plcgen._version import __version__
-from plcgen.base.diagnostics import DiagnosticError, PlcgenError
+from plcgen.base.diagnostics import ArgumentError, DiagnosticError, PlcgenError
 from plcgen.workbench.lsp.values import Values, markdown, uri_of
 from plcgen.workbench.service import Document, Workspace
 from plcgen.workbench.service.positions import Encoding
@@ -72,8 +72,13 @@ class Server(LanguageServer):
         if path is None:  # a text that is no file yet
             return
         place = Path(path)
-        self.desk(place).open(place, self.workspace.get_text_document(uri).source)
-        self.tell_later(place)
+        try:
+            self.desk(place).open(place, self.workspace.get_text_document(uri).source)
+        except ArgumentError as refused:
+            self.desk(place).close(place)
+            self.publish(place, {uri_of(place.as_posix()): [_whole_file(refused)]})
+        else:
+            self.tell_later(place)
 
     def tell_later(self, path: Path) -> None:
         """Tell what is wrong with a document when nothing has changed for a moment."""
@@ -96,6 +101,8 @@ class Server(LanguageServer):
                 file = finding.diagnostic.span.file
                 own = document if file == document.file else desk.documents.get(file)
                 found.setdefault(uri_of(file), []).append(values.diagnostic(finding, own))
+        except PlcgenError as problem:
+            found[uri_of(document.file)].append(_whole_file(problem))
         except Exception as problem:  # a bug must not end the server: it is told, and the next edit is another chance
             log.exception("diagnostics of %s", path)
             self.window_log_message(lsp.LogMessageParams(lsp.MessageType.Error, f"plcgen: {problem!r}"))
@@ -110,6 +117,11 @@ class Server(LanguageServer):
         for uri in {**before, **found}:
             every = {repr(one): one for said in self.told.values() for one in said.get(uri, ())}
             self.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(uri, list(every.values())))
+
+
+def _whole_file(problem: PlcgenError) -> lsp.Diagnostic:
+    """What keeps a file from being looked at, on its first line."""
+    return lsp.Diagnostic(lsp.Range(lsp.Position(0, 0), lsp.Position(0, 0)), str(problem), source="plcgen")
 
 
 server = Server()

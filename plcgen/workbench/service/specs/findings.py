@@ -11,8 +11,9 @@ from plcgen.base.diagnostics.codes import code as code_info
 from plcgen.base.files.files import YAML_SUFFIXES, walk
 from plcgen.workbench.service.documents import Document
 from plcgen.workbench.service.results import Edit, Finding, Fix
+from plcgen.workbench.service.specs.names import named
 from plcgen.workbench.service.specs.sketch import sketch
-from plcgen.workbench.service.specs.state import Specs
+from plcgen.workbench.service.specs.state import Specs, matches
 
 MOST = 1_000
 """Findings of one text; nobody reads more at once."""
@@ -83,8 +84,53 @@ def fixes_of(diagnostic: Diagnostic, document: Document) -> Iterator[Fix]:
         removed = _removed(document, place)
         if removed is not None:
             yield Fix(f"remove {text}", (removed,))
+    yield from _additions(diagnostic, document)
     if diagnostic.severity is Severity.WARNING and place.line and diagnostic.code != "PG111":
         yield _allowed(diagnostic, document)
+
+
+_ADD = re.compile(
+    r"add (?:(allow(?:_safety)?: \{P[0-9]+: )why(\}) to the job|(verify: readback)(?=\Z|,)"
+    r"|([a-z_]+: )to this (drive|master))"
+)
+_LACKS = re.compile(r'lacks the key "(\w+)"\Z')
+
+
+def _additions(diagnostic: Diagnostic, document: Document) -> Iterator[Fix]:
+    """A key that is missing; its value, and the reason of a sign-off, are for the user to give."""
+    added, lacking = _ADD.search(diagnostic.help), _LACKS.search(diagnostic.message)
+    if added is not None:
+        text = added[3] or added[4] or f"{added[1]}{added[2]}"
+        first = _first_key_of(document, diagnostic.span, added[5] or "job")
+        if first is not None:
+            yield Fix(f"add {text.strip()}", (_before(document, first, text),))
+    elif lacking is not None and diagnostic.span.line:
+        yield Fix(f"add {lacking[1]}:", (_before(document, diagnostic.span, f"{lacking[1]}: "),))
+
+
+def _first_key_of(document: Document, place: Span, word: str) -> Span | None:
+    """The first key of the job, drive or master in which a place is."""
+    homes = next(kind.homes for kind in named() if kind.word == word)
+    found = sketch(document.text, document.file)
+    around = [
+        one
+        for one in found.entries
+        if (one.key.line, one.key.column) <= (place.line, place.column)
+        and any(matches(one.path[:-1], home) for home in homes)
+    ]
+    return next((one.key for one in found.below(around[-1].path)), None) if around else None
+
+
+def _before(document: Document, place: Span, text: str) -> Edit:
+    """A key in front of another one, or behind the bracket of a mapping."""
+    line, column = document.lines[place.line - 1], place.column
+    if line[column - 1 : column] == "{":
+        column, text = column + 1, f"{text}, "
+    elif line[: column - 1].strip(" -"):
+        text = f"{text}, "
+    else:
+        text = f"{text}\n{' ' * (column - 1)}"
+    return Edit(Span(place.file, place.line, column, place.line, column), text)
 
 
 def _replaced(diagnostic: Diagnostic, text: str, meant: str) -> Edit | None:
