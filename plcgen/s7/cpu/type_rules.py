@@ -270,17 +270,17 @@ def canonical(name: str) -> str:
 _CLASSIC_CONVERSIONS = {
     "BOOL": "BYTE WORD DWORD INT DINT",
     "BYTE": "BOOL WORD DWORD INT DINT CHAR",
-    "WORD": "BOOL BYTE DWORD INT DINT BLOCK_DB",
+    "WORD": "BOOL BYTE DWORD INT DINT CHAR S5TIME BLOCK_DB",
     "DWORD": "BOOL BYTE WORD INT DINT REAL",
     "INT": "BOOL BYTE WORD DWORD DINT REAL CHAR STRING",
-    "DINT": "BOOL BYTE WORD DWORD INT REAL TIME TIME_OF_DAY DATE STRING",
+    "DINT": "BOOL BYTE WORD DWORD INT REAL TIME TIME_OF_DAY DATE STRING CHAR",
     "REAL": "INT DINT DWORD STRING",
     "CHAR": "BYTE INT STRING",
     "STRING": "CHAR INT DINT REAL",
     "TIME": "DINT S5TIME",
-    "S5TIME": "TIME",
-    "TIME_OF_DAY": "DINT",
-    "DATE": "DINT",
+    "S5TIME": "TIME WORD",
+    "TIME_OF_DAY": "DINT DWORD",
+    "DATE": "DINT INT WORD",
     "DATE_AND_TIME": "DATE TIME_OF_DAY",
     "BLOCK_DB": "WORD",
 }
@@ -310,10 +310,11 @@ def conversions(*, classic: bool) -> frozenset[tuple[str, str]]:
         pairs |= {(source, target) for source in scalars for target in scalars if source != target}
         pairs |= {(source, "STRING") for source in (*INTEGERS, *REALS)} | {("STRING", name) for name in scalars[:8]}
         pairs |= {(name, "CHAR") for name in (*INTEGERS, *BITS)} | {("CHAR", name) for name in (*INTEGERS, *BITS)}
-        times = ("TIME", "TIME_OF_DAY", "DATE", "LTIME", "LTIME_OF_DAY", "LDT", "S5TIME")
+        times = ("TIME", "TIME_OF_DAY", "DATE", "LTIME", "LTIME_OF_DAY", "LDT")
         pairs |= {(source, target) for source in times for target in (*INTEGERS, *BITS)}
         pairs |= {(source, target) for source in (*INTEGERS, *BITS) for target in times}
         pairs |= {("TIME", "LTIME"), ("LTIME", "TIME"), ("TIME", "S5TIME"), ("S5TIME", "TIME")}
+        pairs |= {("WORD", "S5TIME"), ("S5TIME", "WORD")}
         pairs |= {("UINT", name) for name in HARDWARE} | {(name, "UINT") for name in HARDWARE}
         pairs |= {("WORD", name) for name in HARDWARE} | {(name, "WORD") for name in HARDWARE}
         pairs |= _MODERN_CONVERSIONS

@@ -153,8 +153,8 @@ def _read_group(
             read += [(block, file) for block in blocks]
             if file.is_xml and not blocks:
                 tables = _tables(file.path)
-                found.tables += tables
                 problems = [] if tables else problems
+                found.tables += _new_tables(tables, found.tables, file.path, problems)
         found.diagnostics += problems
     _resolve(read, files, found.diagnostics, classic=classic, keep=keep, seen=seen)
     read = _without_unknown_bounds(read, found.diagnostics)
@@ -309,6 +309,24 @@ def _unique(read: Iterable[tuple[Block, SourceFile]], diagnostics: list[Diagnost
         notes = (Note("first declared here", first.span),) if first.span else ()
         diagnostics.append(Diagnostic("PG805", message, place, Severity.WARNING, help=help_text, notes=notes))
     return [block for block, _ in kept.values()]
+
+
+def _new_tables(
+    tables: Iterable[TagTable], known: Iterable[TagTable], path: Path, diagnostics: list[Diagnostic]
+) -> list[TagTable]:
+    """The tag tables of a file that no file before it has; PG805 about the rest."""
+    names = {table.name.upper() for table in known}
+    new = []
+    for table in tables:
+        if table.name.upper() not in names:
+            new.append(table)
+            continue
+        message = f'tag table "{table.name}" is declared a second time; the first one counts'
+        places = [row.span for row in table.tags] + [row.span for row in table.constants]
+        place = next((span for span in places if span is not None), Span(str(path)))
+        help_text = "name the files of one version only"
+        diagnostics.append(Diagnostic("PG805", message, place, Severity.WARNING, help=help_text))
+    return new
 
 
 def _numbered(block: Block, symbols: dict[str, str]) -> Block:

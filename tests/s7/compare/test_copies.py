@@ -146,3 +146,22 @@ def test_blocks_with_graphical_networks_are_one_line(tmp_path):
     notes = [d.message for d in result.diagnostics if d.code == "PG814"]
     assert len(notes) == 2  # one for each side
     assert all(note.startswith("networks of 3 blocks, in LAD or FBD, are not read") for note in notes)
+
+
+def test_a_tag_table_in_two_versions(tmp_path):
+    """The first one counts, the other is told like a block that is declared twice; the lock agrees with itself."""
+    table = (
+        '<Document><Engineering version="V18" /><SW.Tags.PlcTagTable ID="0"><AttributeList><Name>Tags</Name>'
+        '</AttributeList><ObjectList><SW.Tags.PlcTag ID="1" CompositionName="Tags"><AttributeList>'
+        "<DataTypeName>Bool</DataTypeName><LogicalAddress>%M{}.0</LogicalAddress><Name>go</Name></AttributeList>"
+        "</SW.Tags.PlcTag></ObjectList></SW.Tags.PlcTagTable></Document>"
+    )
+    old = write(tmp_path / "old", {"a/t.xml": table.format(5), "b/t.xml": table.format(6)})
+    shutil.copytree(old, tmp_path / "new")
+    lock = tmp_path / "x.lock.json"
+    assert [d.code for d in plcgen.lock(old, out=lock).diagnostics] == ["PG805"]
+    written = plcgen.lock(old, out=lock, keep_going=True)
+    assert (written.ok, written.blocks) == (True, 1)
+    checked = plcgen.check_lock(lock=lock, keep_going=True)
+    compared = plcgen.diff(old, tmp_path / "new", keep_going=True)
+    assert [(result.changes, result.readable) for result in (checked, compared)] == [((), True)] * 2

@@ -28,6 +28,8 @@ def convert_code(code: str, source: str, target: str, *, classic: bool = False) 
         if source in BITS:
             return f"bits_real({code},{BITS[source]})"
         return f"f32(float({code}))" if target == "REAL" else f"float({code})"
+    if {source, target} == {"S5TIME", "WORD"}:  # time base and BCD digits as they are
+        return code
     if {source, target} == {"S5TIME", "LTIME"}:
         return f"(from_s5({code})*1000000)" if source == "S5TIME" else f"to_s5({code}//1000000)"
     if source == "S5TIME" or target == "S5TIME":

@@ -99,8 +99,9 @@ class Functions:
         if name in _DELAYS:
             self.bind(node, (), ("RET_VAL",))
             return Val(f"{_DELAYS[name]}()", "INT", pure=False)
-        if name in _TEXT_FUNCTIONS:
-            return self.text_function(node, name)
+        base, _, kind = name.partition("_")
+        if base in _TEXT_FUNCTIONS and (not kind or (kind in TEXTS and not self.context.classic)):
+            return self.text_function(node, base, wide=kind == "WSTRING")
         match = _CONVERSION.fullmatch(name)
         if match is not None:
             return self.conversion(node, name, match[1], match[2])
@@ -299,8 +300,8 @@ class Functions:
         size = BITS[value.type] // 8
         return Val(f"int.from_bytes(({value.code}).to_bytes({size}),'little')", value.type, pure=value.pure)
 
-    def text_function(self, node: ast.Call, name: str) -> Val:
-        """LEN, CONCAT, LEFT, RIGHT, MID, FIND, DELETE, INSERT, REPLACE."""
+    def text_function(self, node: ast.Call, name: str, *, wide: bool) -> Val:
+        """LEN, CONCAT, LEFT, RIGHT, MID, FIND, DELETE, INSERT, REPLACE; of WSTRING if ``wide`` or one is given."""
         more = (
             tuple(f"IN{n}" for n in range(3, _MAX_TEXTS + 1)) if name == "CONCAT" and not self.context.classic else ()
         )
@@ -309,7 +310,7 @@ class Functions:
         if name == "LEN" and given == ["S"] and not self.context.rules.dialect.is_tia:
             names = ("S",)  # as sources of STEP 7 V5 call FC21; no manual was found for it
         bound = self.bind(node, names, more)
-        codes, wide, pure = [], False, True
+        codes, pure = [], True
         for parameter, expression in bound.items():
             value = self.expressions.value(expression)
             pure = pure and value.pure

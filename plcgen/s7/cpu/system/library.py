@@ -323,6 +323,10 @@ ROWS: Mapping[str, Row] = MappingProxyType(
         "AD_DT_TM": Row(f"T {_DT};D TIME", _DT, moments.add, checked=True, typed=True, targets=_CLASSIC),
         "SB_DT_TM": Row(f"T {_DT};D TIME", _DT, moments.subtract, checked=True, typed=True, targets=_CLASSIC),
         "SB_DT_DT": Row(f"DT1 {_DT};DT2 {_DT}", "TIME", moments.subtract, checked=True, typed=True, targets=_CLASSIC),
+        "DT_DATE": Row(f"IN {_DT}", "DATE", lambda stamp: moments.convert(stamp, _DT, "DATE"), targets=_CLASSIC),
+        "DT_TOD": Row(
+            f"IN {_DT}", "TIME_OF_DAY", lambda stamp: moments.convert(stamp, _DT, "TIME_OF_DAY"), targets=_CLASSIC
+        ),
         "DT_DAY": Row(f"IN {_DT}", "INT", lambda stamp: moments.weekday(stamp, _DT), targets=_CLASSIC),
         "STRG_VAL": Row(
             "IN text;FORMAT WORD=0;P UINT=1", "", texts.string_to_value, "OUT num", checked=True, typed=True,
