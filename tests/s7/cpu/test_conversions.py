@@ -69,8 +69,8 @@ def test_s5time_as_a_word():
     for dialect in DIALECTS.values():
         text = (
             'FUNCTION_BLOCK "T"\nVAR\nw : Word;\nt : S5Time := S5T#1s_230ms;\nv : Word := 16#0123;\nu : S5Time;\n'
-            'END_VAR\nBEGIN\n#w := S5TIME_TO_WORD(#t);\n#u := WORD_TO_S5TIME(#v);\nEND_FUNCTION_BLOCK\nDATA_BLOCK "D"\n"T"\n'
-            "BEGIN\nEND_DATA_BLOCK\n"
+            "END_VAR\nBEGIN\n#w := S5TIME_TO_WORD(#t);\n#u := WORD_TO_S5TIME(#v);\nEND_FUNCTION_BLOCK\n"
+            'DATA_BLOCK "D"\n"T"\nBEGIN\nEND_DATA_BLOCK\n'
         )
         bench = load_scl(text, dialect=dialect)
         bench.call("D")
