@@ -89,7 +89,7 @@ class Repetition:
             if passed > due + CALLS * self.length + self.lost():
                 break
         if not self.run.seen[0] or passed < due:
-            raise ScenarioError(f"the next run does not start {due} ms behind the last one, but at {passed} ms")
+            raise ScenarioError(f"the next run does not start {due} ms after the last one, but at {passed} ms")
         return self.rig.cpu.clock
 
     def ends(self, begun: int, *, well: bool = True) -> None:
@@ -117,7 +117,7 @@ class Repetition:
         started = rig.cpu.clock if self.run.seen[0] else 0
         if started and not self.begun + 2 * cycle <= started <= last + CALLS * self.length + self.lost():
             passed = started - self.begun
-            raise ScenarioError(f"it starts {passed} ms behind the last run, while another job has the unit")
+            raise ScenarioError(f"it starts {passed} ms after the last run, while another job has the unit")
         if len(rig.drive.journal) > sent:
             raise ScenarioError("it sends something while another job has the unit")
         rig.leave()

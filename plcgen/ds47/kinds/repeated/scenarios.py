@@ -28,7 +28,7 @@ def repeating(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     if enough:
         yield DriveScenario(name="a run takes longer than a cycle", busy=(20, 1), parts=(slow,), follow=False)
     yield DriveScenario(
-        name="execute rises behind a run that takes longer than a cycle",
+        name="execute rises after a run that takes longer than a cycle",
         busy=(20, 1),
         status=(DONE,) if enough else (DONE, WORDS["TIMEOUT"], WORDS["NO_PLACE"]),
         happens={2: "drop"},
