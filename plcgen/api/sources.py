@@ -118,7 +118,7 @@ def _is_called(name: str, kind: str, number: int | None, wanted: str) -> bool:
 
 def convert(
     *paths: Path | str,
-    to: Literal["scl", "xml"],
+    to: Literal["scl", "xml", "sd"],
     out: Path | str,
     version: str = "V16",
     classic: bool = False,
@@ -127,21 +127,22 @@ def convert(
     force: bool = False,
     keep_going: bool = False,
 ) -> ConvertResult:
-    """Write the blocks of sources (files or folders) as SCL text or as SimaticML, one file per block.
+    """Write the blocks of sources (files or folders) as SCL text, as SimaticML or as SIMATIC SD, one file per block.
 
     ``version`` is the TIA Portal version of the documents (``V14 SP1``, ``V15`` .. ``V21``), ``culture`` the language
     of their comments, ``encoding`` the code page of ANSI sources. Nothing is written if something is wrong, unless
     ``keep_going`` says to leave that out, or if a file exists and ``force`` is not given.
 
     Raises:
-        ArgumentError: if ``to`` or ``version`` is another word.
+        ArgumentError: if ``to`` or ``version`` is another word; SIMATIC SD is of V20 and V21.
     """
     from plcgen.build.convert import convert as run
     from plcgen.build.writing import add_files
     from plcgen.s7.xml.versions import VERSIONS
+    from plcgen.s7.xml.writing.sd import VERSIONS as SD_VERSIONS
 
-    expect("to", to, ("scl", "xml"))
-    expect("version", version, VERSIONS)
+    expect("to", to, ("scl", "xml", "sd"))
+    expect("version", version, SD_VERSIONS if to == "sd" else VERSIONS)
     found = run(
         [Path(path) for path in paths],
         to,

@@ -1,4 +1,4 @@
-"""Blocks of anybody's sources in the other spelling: SCL text to SimaticML and back."""
+"""Blocks of anybody's sources in another spelling: SCL text, SimaticML, SIMATIC SD."""
 
 from __future__ import annotations
 
@@ -23,11 +23,12 @@ from plcgen.s7.xml.reading.source import KEYWORDS, SUFFIXES, is_array_db, source
 from plcgen.s7.xml.versions import VERSIONS
 from plcgen.s7.xml.writing.documents import Setting, document, library_element
 from plcgen.s7.xml.writing.scope import BlockScope
+from plcgen.s7.xml.writing.sd import sd_document
 from plcgen.s7.xml.writing.structured_text import elements, numbered
 
-Target = Literal["scl", "xml"]
+Target = Literal["scl", "xml", "sd"]
 
-_FORMS: Mapping[Target, int] = {"scl": 0, "xml": 2}
+_FORMS: Mapping[Target, int] = {"scl": 0, "sd": 1, "xml": 2}
 _CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
 _SYMBOLS = frozenset({".sdf", ".asc"})
 _FORBIDDEN = frozenset('<>:"/\\|?*%')
@@ -120,17 +121,19 @@ def _group(read: _Sources, to: Target, setting: Setting, found: Converted) -> It
             message = f'{block.kind} "{block.name}" has no SCL code: it is not converted'
             found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
             continue
-        if to == "scl":
-            file = _to_text(block, place, types, found)
+        if to == "sd":
+            files = _to_sd(block, place, types, setting, found)
+        elif to == "scl":
+            files = _to_text(block, place, types, found)
         else:
-            file = _to_document(block, place, types, read, setting, found)
-        if file is None:
-            continue
-        first = taken.setdefault(file.path.upper(), block)
-        if first is not block:
-            message = f'"{block.name}" and "{first.name}" would both become {file.path}'
-            found.diagnostics.append(Diagnostic("PG805", message, place, help="convert them one after the other"))
-        yield file, str(place.file)
+            files = _to_document(block, place, types, read, setting, found)
+        for file in files:
+            first = taken.setdefault(file.path.upper(), block)
+            if first is not block:
+                message = f'"{block.name}" and "{first.name}" would both become {file.path}'
+                help_ = "convert them one after the other"
+                found.diagnostics.append(Diagnostic("PG805", message, place, help=help_))
+            yield file, str(place.file)
 
 
 def _read(files: Sequence[SourceFile], found: Converted, *, classic: bool, encoding: str | None) -> _Sources:
@@ -217,15 +220,40 @@ def file_name(name: str) -> str:
     return coded[:MAX_NAME] or "%00"
 
 
-def _to_text(block: Block, place: Span, types: dict[str, Block], found: Converted) -> RenderedFile | None:
+def _to_text(block: Block, place: Span, types: dict[str, Block], found: Converted) -> list[RenderedFile]:
     found.diagnostics += _lost_in_text(block, place)
     text = source(block, types)
     problem = _wrong(text, block)
     if problem:
         message = f'{block.kind} "{block.name}" does not become SCL: {problem}'
         found.diagnostics.append(Diagnostic("PG812", message, place))
-        return None
-    return RenderedFile(file_name(block.name) + SUFFIXES[block.kind], text.encode("utf-8-sig", "replace"))
+        return []
+    return [RenderedFile(file_name(block.name) + SUFFIXES[block.kind], text.encode("utf-8-sig", "replace"))]
+
+
+def _to_sd(
+    block: Block, place: Span, types: dict[str, Block], setting: Setting, found: Converted
+) -> list[RenderedFile]:
+    """The document of a block and its texts, if it has some; nothing, with a warning, for what no document shows."""
+    of = types.get((block.instance_of or "").upper())
+    if of is not None and block.optimized is None:
+        block = replace(block, optimized=of.optimized)
+    written = sd_document(block, setting.version.name, setting.cultures[0])
+    if written.unseen:
+        message = f'{block.kind} "{block.name}" has {written.unseen}: no public SIMATIC SD document shows that'
+        help_ = "it is left out: import it as a source or as SimaticML"
+        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING, help=help_))
+        return []
+    if block.kind is BlockKind.UDT and (block.title or block.comment):
+        message = f'{block.kind} "{block.name}": its title and comment are not converted'
+        help_ = "no public SIMATIC SD document of a type shows where they stand"
+        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.NOTE, help=help_))
+    texts = {".s7dcl": written.document, ".s7res": written.texts}
+    return [
+        RenderedFile(file_name(block.name) + suffix, text.replace("\n", "\r\n").encode("utf-8-sig", "replace"))
+        for suffix, text in texts.items()
+        if text
+    ]
 
 
 def _lost_in_text(block: Block, place: Span) -> Iterator[Diagnostic]:
@@ -259,12 +287,12 @@ def _wrong(text: str, block: Block) -> str:
 
 def _to_document(
     block: Block, place: Span, types: dict[str, Block], read: _Sources, setting: Setting, found: Converted
-) -> RenderedFile | None:
+) -> list[RenderedFile]:
     code = ""
     if is_array_db(block):
         message = f'{block.kind} "{block.name}" is one array: documents of array DBs are not written, it is left out'
         found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
-        return None
+        return []
     if block.kind in _CODE and block.code is not None:
         scope = BlockScope.of(block, types.values(), read.constants)
         unknown: dict[str, tuple[int, int]] = {}
@@ -281,11 +309,11 @@ def _to_document(
             there = place if whole is None else whole.span(first + begin, first + stop)
             found.diagnostics.append(Diagnostic("PG815", message, there, Severity.ERROR, help=help_))
         if unknown:
-            return None
+            return []
     elif block.instance_of:
         made = _instance(block, place, types, found)
         if made is None:
-            return None
+            return []
         block = made
     if block.kind is BlockKind.OB and block.number is None and block.name.upper() != "MAIN":
         message = f'{block.kind} "{block.name}": its event is not known, it is written as ProgramCycle'
@@ -302,7 +330,7 @@ def _to_document(
     if len(lost) > MAX_LOST:
         message = f'{block.kind} "{block.name}": {len(lost) - MAX_LOST} more start values are not converted'
         found.diagnostics.append(Diagnostic("PG815", message, place, Severity.ERROR))
-    return RenderedFile(file_name(block.name) + ".xml", text.encode("utf-8-sig", "replace"))
+    return [RenderedFile(file_name(block.name) + ".xml", text.encode("utf-8-sig", "replace"))]
 
 
 def _instance(block: Block, place: Span, types: dict[str, Block], found: Converted) -> Block | None:

@@ -1,4 +1,4 @@
-"""``plcgen convert``: SCL text to SimaticML and back."""
+"""``plcgen convert``: blocks as SCL text, SimaticML or SIMATIC SD."""
 
 from __future__ import annotations
 
@@ -21,9 +21,12 @@ if TYPE_CHECKING:
     "plcgen convert scl udt db --to xml --toolchain tia-v18 --out xml",
     "plcgen convert export/Motor.xml --to scl --out scl",
     "plcgen convert old.scl --to xml --classic --out xml",
+    "plcgen convert udt db --to sd --toolchain tia-v21 --out sd",
 )
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="FILE|FOLDER...")
-@click.option("--to", type=click.Choice(["scl", "xml"]), required=True, help="Text sources, or SimaticML.")
+@click.option(
+    "--to", type=click.Choice(["scl", "xml", "sd"]), required=True, help="Text sources, SimaticML or SIMATIC SD."
+)
 @click.option("--out", "folder", type=PATH, required=True, metavar="DIR", help="Output folder.")
 @toolchain_option("Oldest TIA Portal that must be able to import the documents")
 @click.option("--classic", is_flag=True, help="The blocks are for S7-300/400.")
@@ -33,18 +36,23 @@ if TYPE_CHECKING:
 @click.option("--force", is_flag=True, help="Overwrite files that exist.")
 @format_option("findings")
 def command(*, paths: tuple[Path, ...], folder: Path, culture: str, format_: OutputFormat, **options: Any) -> int:
-    """Turn blocks into SimaticML for TIA Openness, or documents into SCL, UDT and DB sources.
+    """Turn blocks into SimaticML for TIA Openness, documents into SCL, UDT and DB sources, or either into SIMATIC SD.
 
     One file per block, named after it; comments and layout of the code are kept. Name the sources of all types
     and function blocks together: an instance DB needs its function block. There is no SCL for networks in LAD, FBD
     or STL: their blocks are left out with a warning, as are those of a safety program. A start value that the other
     format cannot hold is an error. Either all files are written or none; with --keep-going, those that can be are
     written, and the exit code is still 1 if there is an error.
+
+    SIMATIC SD is experimental (tia-v20, tia-v21): a block with something that no public document of it shows is left
+    out with a warning.
     """
     from plcgen import api
 
     if not is_culture(culture):
         raise click.BadParameter("write it like en-US", param_hint="--culture")
+    if options["to"] == "sd" and options["version"] not in {"V20", "V21"}:
+        raise click.BadParameter("SIMATIC SD is of tia-v20 and tia-v21", param_hint="--toolchain")
     out = console()
     result = api.convert(*paths, out=folder, culture=culture, **options)
     if format_.name != "text":

@@ -29,7 +29,7 @@ from plcgen.s7.xml.reading.documents import read_tag_table, read_watch_table
 
 MAX_BYTES = 16 * 1024 * 1024
 MAX_TAGS = 1_000_000
-SCRIPT = "0c358c91cda49730e248444dab2488babb5a64872e2d9a686f918ea5c1f87c23"
+SCRIPT = "8dc968e6d33cfaf219929d78162a488432ae4a02b44b04b73f566990a68ff520"
 """SHA-256 of the text of ``xml/import.ps1``: the same for every project, with ``{{ version }}`` for that of the
 documents."""
 _QUOTED = re.compile(r'"([^"\n]+)"')

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.projects import generated_example
 from tests.s7.sd_documents import MOTOR, PAIRS, TEXTS
 
 PROGRAM = ("--program", "--target", "tia-1500", "--json")
@@ -99,3 +100,88 @@ def test_the_iec_check_of_a_document_counts(plcgen, tmp_path):
         path.write_text(head + text)
         found = json.loads(plcgen("check", path, *PROGRAM, *options).out)["diagnostics"]
         assert [one["code"] for one in found] == codes, (head, options)
+
+
+UNSEEN = {
+    "function block in one network": "constants of a block",
+    "organization block with an empty rung": "an organization block in SCL",
+}
+
+
+def test_sources_become_documents_that_say_the_same(plcgen, folders):
+    """What is written is the same block again; what no public document shows is left out, with the reason."""
+    for number, what in folders:
+        made = ("convert", f"scl/{number}", "--to", "sd", "--toolchain", "tia-v21", "--out", f"made/{number}")
+        result = plcgen(*made)
+        assert result.code == 0, (what, result.err)
+        if what in UNSEEN:
+            assert f"has {UNSEEN[what]}: no public SIMATIC SD document shows that" in result.err, what
+            continue
+        assert plcgen("check", f"made/{number}").code == 0, what
+        compared = plcgen("diff", f"scl/{number}", f"made/{number}", "--fail-on", "any")
+        assert (compared.code, compared.out) == (0, "no semantic differences\n"), (what, compared.out, compared.err)
+
+
+@pytest.mark.parametrize("spec", ["s7-1500_g120_pn", "s7-1200_s7-200_ppi", "s7-1500_s120_messages"])
+def test_generated_blocks_become_documents(plcgen, tmp_path, monkeypatch, spec):
+    """Types, data blocks and what has nothing unseen: the same blocks again, comments and numbers included."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "out").mkdir()
+    for path in sorted(generated_example(spec).glob("*.scl")):
+        (tmp_path / "out" / path.name).write_bytes(path.read_bytes())
+    made = ("convert", "out", "--toolchain", "tia-v21", "--to")
+    assert plcgen(*made, "sd", "--out", "sd").code == 0
+    written = {path.stem for path in (tmp_path / "sd").glob("*.s7dcl")}
+    assert len(written) >= 8
+    found = plcgen("diff", "out", "sd", "--json")
+    assert [change for change in json.loads(found.out)["changes"] if change["id"] != "block-removed"] == []
+
+
+@pytest.mark.parametrize(("toolchain", "code"), [("tia-v20", 0), ("tia-v21", 0), ("tia-v19", 2), ("tia-v16", 2)])
+def test_documents_are_of_v20_and_v21(plcgen, folders, toolchain, code):
+    """V20 has code in LAD only: functions in SCL are left out there."""
+    number = next(number for number, what in folders if what.startswith("function in two"))
+    result = plcgen("convert", f"scl/{number}", "--to", "sd", "--toolchain", toolchain, "--out", "made")
+    assert result.code == code
+    assert ("code in SCL, which SIMATIC SD has from V21 on" in result.err) == (toolchain == "tia-v20")
+
+
+def test_a_document_is_written_as_exports_are(plcgen, tmp_path, monkeypatch):
+    """Attributes in front in alphabetical order, the texts beside it, UTF-8 with mark, lines of Windows."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.scl").write_text(
+        "FUNCTION \"Double\" : Int\nTITLE = Twice\n{ S7_Optimized_Access := 'TRUE' }\nVERSION : 0.1\nVAR_INPUT\n"
+        "  x : Int;   // it's a number\nEND_VAR\nBEGIN\n#Double := #x * 2;\nEND_FUNCTION\n"
+    )
+    assert plcgen("convert", "a.scl", "--to", "sd", "--toolchain", "tia-v21", "--out", "sd").code == 0
+    texts = [(tmp_path / "sd" / name).read_bytes() for name in ("Double.s7dcl", "Double.s7res")]
+    assert [text.decode("utf-8-sig").replace("\r\n", "\n") for text in texts] == [WRITTEN, NAMED]
+    assert all(text.startswith(b"\xef\xbb\xbf") and text.count(b"\n") == text.count(b"\r\n") for text in texts)
+
+
+WRITTEN = """\
+{
+    S7_BlockTitle := "MLC_1";
+    S7_EditorMode := "SCL";
+    S7_Optimized := "TRUE";
+    S7_Version := "0.1"
+}
+FUNCTION "Double" : Int
+    VAR_INPUT
+        { S7_MLC := "MLC_2" }
+        x : Int;
+    END_VAR
+
+    { S7_Language := "SCL" }
+    NETWORK
+        #Double := #x * 2;
+    END_NETWORK
+END_FUNCTION
+"""
+NAMED = """\
+MultiLingualTexts:
+  - id: MLC_1
+    en-US: 'Twice'
+  - id: MLC_2
+    en-US: 'it''s a number'
+"""

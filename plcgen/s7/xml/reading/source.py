@@ -160,7 +160,7 @@ def _data(block: Block, of: Block | None) -> Iterator[str]:
         yield "BEGIN"
         return
     assigned: list[Assignment] = []
-    groups = [replace(s, members=tuple(_bare(m, (), assigned) for m in s.members)) for s in block.sections]
+    groups = [replace(s, members=tuple(bare(m, (), assigned) for m in s.members)) for s in block.sections]
     yield from _body(groups, whole=is_retentive(block))
     yield ""
     yield "BEGIN"
@@ -182,11 +182,11 @@ def _body(groups: Sequence[Section], *, whole: bool) -> Iterator[str]:
         yield "  END_VAR"
 
 
-def _bare(member: Member, path: Path, assigned: list[Assignment]) -> Member:
+def bare(member: Member, path: Path, assigned: list[Assignment]) -> Member:
     """A member whose array values stand behind BEGIN instead, one line each."""
     here = (*path, declared_name(member.name))
     if isinstance(member.type, StructType):
-        inner = tuple(_bare(m, here, assigned) for m in member.type.members)
+        inner = tuple(bare(m, here, assigned) for m in member.type.members)
         return replace(member, type=StructType(inner))
     if not isinstance(member.type, ArrayType) or member.start is None:
         return member
