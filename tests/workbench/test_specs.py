@@ -347,6 +347,14 @@ def test_layout_keeps_what_is_said(desk: Desk) -> None:
     assert edited(text, desk.workspace.format(document)) == want
 
 
+def test_layout_leaves_texts_of_several_lines(desk: Desk) -> None:
+    """Empty lines inside a text belong to it; the keys around it are laid out all the same."""
+    text = "plc:\n    name: >\n      a\n\n\n      b\n    family: s7-1500\n"
+    after = edited(text, desk.workspace.format(desk.open(text)[0]))
+    assert load_yaml(after, "f").data() == load_yaml(text, "f").data()
+    assert "\n  family: s7-1500\n" in after
+
+
 @pytest.mark.parametrize("path", SPECS, ids=lambda path: path.stem)
 def test_layout_of_shipped_specs(path: Path, desk: Desk) -> None:
     """The same values and comments afterwards, and nothing to do a second time."""

@@ -23,8 +23,9 @@ def formatted(document: Document) -> tuple[Edit, ...]:
     if before is None:
         return ()
     lines = [line.rstrip(" \t") for line in document.lines]
-    for laid in (_indented(lines), lines):
-        text = "\n".join(_squeezed(laid)) + "\n"
+    indented = _indented(lines)
+    for laid in (_squeezed(indented), indented, _squeezed(lines)):
+        text = "\n".join(laid).rstrip("\n") + "\n"
         if _meaning(text) == before and _comments(text) == _comments(document.text):
             return _edits(document, text)
     return ()
