@@ -53,6 +53,8 @@ BROKEN = [
     ("plc: {name: A, fam\ndrives:\n  one: {device: x}\n", ("drives", "one", "device")),
     ('plc: {name: "A\ndrives:\n  one: {device: x}\n', ("drives", "one", "device")),
     ("jobs:\n  a: {write: {P1: [1,\n  b:\n    drive: x\n", ("jobs", "b", "drive")),
+    ('plc:\n  name: "A\ndrives:\n  one: {device: x}\n', ("drives", "one", "device")),
+    ("plc:\n  name: >\n    A: [\n\ndrives:\n  one: {device: x}\n", ("drives", "one", "device")),
     ("jobs:\n  a:\n    wri\n  b:\n    drive: x\n", ("jobs", "b", "drive")),
     ("a: }\nb: ]\njobs:\n  b:\n    drive: x\n", ("jobs", "b", "drive")),
 ]

@@ -262,3 +262,19 @@ def test_half_a_text(desk: Desk, text: str) -> None:
     desk.workspace.outline(document)
     desk.workspace.tokens(document)
     desk.workspace.diagnostics(document)
+
+
+def test_completion(desk: Desk) -> None:
+    """Variables of the block, members of a type in another file, blocks; while the statement is broken."""
+
+    def offered(written: str) -> list[str]:
+        document, line, column = desk.open(FB.replace("#i := #i + 1;", written), "mover.scl")
+        return [one.label for one in desk.workspace.complete(document, line, column)]
+
+    assert offered("#|") == ["speed", "done", "place", "wait", "i"]
+    assert offered("#place.|") == ["x", "y", "ok"]
+    assert offered('"Plant".points[2].|') == ["x", "y", "ok"]
+    assert offered('x := "Plant".de|') == ["on", "points", "deep"]
+    assert "PT" in offered("#wait.|")
+    assert {"Plant", "Mover", "MoverData", "Point"} <= set(offered('"|'))
+    assert offered("1 + |") == []

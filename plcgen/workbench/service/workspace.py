@@ -59,10 +59,13 @@ class Workspace:
         return tuple(finding(self.specs, one) for one in found[:MOST])
 
     def complete(self, document: Document, line: int, column: int) -> tuple[Offer, ...]:
-        """What may stand at a place of a spec; the text may be broken."""
+        """What may stand at a place; the text may be broken."""
+        from plcgen.workbench.service.sources.offers import source_offers
         from plcgen.workbench.service.specs.offers import offers
 
-        return offers(self.specs, document, line, column) if document.is_yaml else ()
+        if document.is_yaml:
+            return offers(self.specs, document, line, column)
+        return tuple(source_offers(self.sources.state(document), line, column)) if is_source(document) else ()
 
     def hover(self, document: Document, line: int, column: int) -> Hover | None:
         """What there is to know of what stands at a place."""

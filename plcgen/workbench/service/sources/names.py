@@ -69,20 +69,20 @@ def meaning(state: SourceState, at: int) -> Meant | None:
     own = None if unit is None else state.block_of(unit)
     declared = None if unit is None else _declaration_at(unit, tokens.starts[at])
     if declared is not None and own is not None:
-        return _walk(own, [Step(name) for name in declared], state.types)
+        return walk_to(own, [Step(name) for name in declared], state.types)
     steps = written(state, at)
     if not steps:
         return None
     head = steps[0].name
     local = tokens.kinds[at] == LOCAL or _head_kind(state, at) == LOCAL
     if own is not None and (local or _head_kind(state, at) != QUOTED):
-        found = _walk(own, steps, state.types)
+        found = walk_to(own, steps, state.types)
         if found is not None or local:
             return found
     block = state.types.get(head.upper())
     if block is None:
         return None
-    return Meant(block, None, "", ()) if len(steps) == 1 else _walk(block, steps[1:], state.types)
+    return Meant(block, None, "", ()) if len(steps) == 1 else walk_to(block, steps[1:], state.types)
 
 
 def _declaration_at(unit: ast.Unit, offset: int) -> list[str] | None:
@@ -147,7 +147,7 @@ def _bare(text: str) -> str:
     return text.removeprefix("#").strip('"')
 
 
-def _walk(block: Block, steps: Sequence[Step], types: Mapping[str, Block]) -> Meant | None:
+def walk_to(block: Block, steps: Sequence[Step], types: Mapping[str, Block]) -> Meant | None:
     """Follow steps from a block to a member."""
     root, path = block, ""
     owner: tuple[str, ...] = (block.name.upper(),)
@@ -160,7 +160,7 @@ def _walk(block: Block, steps: Sequence[Step], types: Mapping[str, Block]) -> Me
     section: SectionKind | None = None
     for step in steps:
         if member is not None:
-            owner, members = _inside(member, owner, types)
+            owner, members = members_of(member, owner, types)
         member = next((one for one in members if one.name.upper() == step.name.upper()), None)
         if member is None:
             return None
@@ -185,7 +185,7 @@ def _last_index(member: Member, path: str) -> str:
     return path[path.rindex("[") :] if isinstance(member.type, ArrayType) and path.endswith("]") else ""
 
 
-def _inside(
+def members_of(
     member: Member, owner: tuple[str, ...], types: Mapping[str, Block]
 ) -> tuple[tuple[str, ...], Sequence[Member]]:
     """The members of a member, and in which type they are declared."""
