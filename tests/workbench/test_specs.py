@@ -294,6 +294,24 @@ def test_a_drive_gets_another_name_everywhere(desk: Desk) -> None:
     assert edited(SHARED, other) == SHARED.replace("  pump:", "  pump_1:")
 
 
+def test_other_names(desk: Desk) -> None:
+    """A variable at its uses, a recipe, a station of one of two masters, a job: nothing else of the same name."""
+
+    def renamed(text: str, new: str) -> str:
+        document, line, column = desk.open(text)
+        return edited(document.text, desk.workspace.rename(document, line, column, new))
+
+    (desk.folder / "shared.yaml").write_text(SHARED, "utf-8")
+    assert renamed(NAMES.replace("$(which)", "$(wh|ich)"), "what") == NAMES.replace("which", "what")
+    recipe = "recipes:\n  wind: {parameters: [P1120], records: 2}\njobs:\n  wind: {drive: a, write_recipe: wi|nd}\n"
+    assert renamed(recipe, "pull") == recipe.replace("  wind: {p", "  pull: {p").replace("wi|nd", "pull")
+    line = "ppi:\n  a: {stations: {s: {address: 2}}, jobs: {x: {station: s}}}\n"
+    line += "  b: {stations: {s: {address: 3}}, jobs: {x: {station: |s}}}\n"
+    after = line.replace("|", "").split("\n")
+    after[2] = after[2].replace("{s:", "{t:").replace("station: s", "station: t")
+    assert renamed(line, "t") == "\n".join(after)
+
+
 def test_a_rename_that_fails_says_why(desk: Desk) -> None:
     """A name that is taken, a name that is none, a broken text, no name at all, a file outside the workspace."""
     text = HEAD + JOB.replace("set_ramps", "set|_ramps") + "  other:\n    drive: pump\n    read: [r21]\n"
