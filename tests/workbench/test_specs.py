@@ -168,6 +168,7 @@ def test_parameters_of_that_drive(desk: Desk) -> None:
     """p2900 is a fixed value of G120 (list manual: Fixed value 1 [%]); r0021 can only be read, so nobody writes it."""
     found = desk.offers(HEAD + "  new:\n    drive: pump\n    write: {P112|}\n")
     assert found["P1120"][0] == "P1120: "
+    assert all(label[1:].startswith("112") for label in found if label[1:].isdecimal())
     assert "ramp-up time" in found["P1120"][1]
     assert " s" in found["P1120"][1]
     read = desk.offers(HEAD + "  new:\n    drive: pump\n    read: [r2|]\n")
