@@ -138,8 +138,8 @@ def convert(
     """
     from plcgen.build.convert import convert as run
     from plcgen.build.writing import add_files
+    from plcgen.s7.xml.reading.sd import VERSIONS as SD_VERSIONS
     from plcgen.s7.xml.versions import VERSIONS
-    from plcgen.s7.xml.writing.sd import VERSIONS as SD_VERSIONS
 
     expect("to", to, ("scl", "xml", "sd"))
     expect("version", version, SD_VERSIONS if to == "sd" else VERSIONS)
