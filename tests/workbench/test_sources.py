@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 
 from plcgen.s7.cpu.sources import check_source
-from plcgen.workbench.service import Document
+from plcgen.workbench.service import Document, Symbol
 from plcgen.workbench.service.sources import state as source_state
 from plcgen.workbench.service.sources.signatures import FUNCTIONS
+from tests.s7.sd_documents import PAIRS
 from tests.workbench.desk import Desk
 
 UDT = """TYPE "Point"
@@ -262,6 +263,23 @@ def test_half_a_text(desk: Desk, text: str) -> None:
     desk.workspace.outline(document)
     desk.workspace.tokens(document)
     desk.workspace.diagnostics(document)
+
+
+@pytest.mark.parametrize("what", PAIRS)
+def test_simatic_sd(what: str, tmp_path: Path) -> None:
+    """A document has the outline of the source that says the same, and no problem; its attributes are texts."""
+    desk = Desk(tmp_path)
+    document, source = (
+        desk.workspace.open(tmp_path / name, text) for name, text in zip(("a.s7dcl", "b.scl"), PAIRS[what], strict=True)
+    )
+
+    def names(symbols: tuple[Symbol, ...]) -> list[object]:
+        return [(one.name, one.kind, names(one.children)) for one in symbols]
+
+    assert names(desk.workspace.outline(document)) == names(desk.workspace.outline(source)) != []
+    assert desk.workspace.diagnostics(document) == ()
+    colours = {document.part(one.span): one.kind for one in desk.workspace.tokens(document)}
+    assert {colours[text] for text in ('"TRUE"', '"0.1"') if text in colours} <= {"string"}
 
 
 def test_completion(desk: Desk) -> None:

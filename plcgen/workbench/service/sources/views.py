@@ -224,13 +224,14 @@ _WORD_OPERATORS = {"AND", "OR", "XOR", "NOT", "MOD", "DIV"}
 def tokens(state: SourceState) -> Iterator[Token]:
     """Every token and every comment in its colour, line by line, in order."""
     found = state.lexed
-    end = 0
+    end = braces = 0
     for at, kind in enumerate(found.kinds):
+        braces += {"{": 1, "}": -1}.get(kind, 0)
         if found.source[end : found.starts[at]].strip():
             for gap in found.trivia_before(at):
                 if gap.text != "\n":
                     yield from _lines(found, gap, "comment")
-        colour = _colour(found, at, kind)
+        colour = "string" if braces and kind == QUOTED else _colour(found, at, kind)
         if colour is not None:
             yield from _lines(found, Comment(found.texts[at], found.starts[at]), colour)
         end = found.end(at)
