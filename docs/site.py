@@ -28,6 +28,10 @@ _LINK = re.compile(r"(\]\()([^)#\s]+)(#[^)\s]*)?(\))")
 _FENCE = re.compile(r"^(```.*?^```)", re.MULTILINE | re.DOTALL)
 
 
+BOOSTS = {"codes/": 0.2, "adr/": 0.2, "CHANGELOG": 0.2, "evidence": 0.5, "s7-layout": 0.3, "s7-memory": 0.3, "s7.": 0.3, "tasks/": 2}
+"""What a page counts in the search, by the front of its address: tasks come first, what explains a code last."""
+
+
 def origin(uri: str) -> str:
     """Path in the repository of a page of the site."""
     return next((path for path, page in PAGES.items() if page == uri), f"docs/{uri}")
@@ -74,5 +78,7 @@ def on_files(files: Any, config: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Links of the site."""
+    """Links of the site, and what the page counts in the search."""
+    boost = next((value for front, value in BOOSTS.items() if page.file.src_uri.startswith(front)), 1)
+    page.meta["search"] = {"boost": boost}
     return relinked(markdown, page.file.src_uri)
