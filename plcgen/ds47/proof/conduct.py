@@ -113,6 +113,7 @@ class JobConduct:
             rig.match(scenario.keeps)
         rig.tell(scenario.of(Times).moment)
         self.before, self.wanted = rig.delivered(), self.due(scenario)
+        rig.takes_over()  # what the channel took in the runs before is none of this one's
         self.set_off(scenario)
         self.taken = 0
         for (telegram, place), data in scenario.delivers.items():
