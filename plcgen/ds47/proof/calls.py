@@ -34,7 +34,7 @@ def check_calls(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
             continue  # what is missing is told elsewhere
         jobs = [job for job in plan.jobs if job.caller is caller]
         problems = list(_wrong(plan, caller, jobs, stated, block.code))
-        name, figures = caller.block.name, quantity(len(jobs), "call of a job")
+        name, figures = caller.block.name, quantity(len(jobs), "job call")
         if problems:
             found = Diagnostic("PG614", f'"{name}": {problems[0]}', folder.place(name))
             yield Check("calls", f'"{name}"', "", Outcome.ERROR, problems[0], found)
