@@ -216,3 +216,10 @@ def test_type_of_a_data_block():
     bench = bench_of("d : DB_ANY; n : Int;", f'#d := "A"; {ask} #d := "G"; {ask} #d := 0; {ask}', also=also)
     bench.call("D")
     assert bench.cpu["D.n"] == 100
+
+
+def test_a_label_that_is_called_label():
+    """The help of GET_ERROR jumps to ``LABEL:``; the word begins declarations elsewhere."""
+    bench = bench_of("n : Int;", "#n := 0;\nLABEL: #n := #n + 1;\nIF #n < 3 THEN GOTO LABEL; END_IF;")
+    bench.call("D")
+    assert bench.cpu["D.n"] == 3

@@ -130,7 +130,7 @@ class Statements:
             return self.keyword_as_name()
         if handler := self.compound.get(kind):
             return handler()
-        if kind in {NAME, QUOTED, INT} and cursor.kind(1) == ":":
+        if kind in {NAME, QUOTED, INT, "LABEL"} and cursor.kind(1) == ":":  # the help of GET_ERROR has LABEL: itself
             start = cursor.start
             name = cursor.texts[cursor.pos].strip('"')
             cursor.pos += 2
@@ -222,9 +222,11 @@ class Statements:
         cursor = self.cursor
         start = cursor.start
         cursor.pos += 1
-        label = cursor.texts[cursor.pos] if cursor.kinds[cursor.pos] == INT else cursor.word("a label")
-        if cursor.kinds[cursor.pos] == INT:
+        if cursor.kinds[cursor.pos] in {INT, "LABEL"}:
+            label = cursor.texts[cursor.pos]
             cursor.pos += 1
+        else:
+            label = cursor.word("a label")
         end = cursor.last_end
         self.semicolon()
         return ast.Goto(start, end, label)
