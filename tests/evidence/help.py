@@ -38,17 +38,17 @@ def report(folder: Path, *, save: bool = False) -> Iterator[str]:  # noqa: ARG00
 
 def examples(text: str) -> Iterator[tuple[str, str]]:
     """Heading and code of what follows a line ``SCL``, up to the first sentence."""
-    heading, code, depth = "", None, 0
+    heading, depth = "", 0
+    code: list[str] | None = None
     for raw in [*text.splitlines(), "## end"]:
         line = html.unescape(raw).replace("`", "").replace("\u200b", "").replace("\\", "").strip()
         title = _HEADING.match(line)
-        goes_on = code is not None and not title and not line.startswith(("##", *_NO_CODE))
-        inside = bool(code) and (depth > 0 or not (code[-1].endswith((";", ":")) or code[-1].startswith("END_")))
-        if goes_on and (not line or _CODE.match(line) or inside):
-            if line and code is not None:
-                code.append(line)
+        if code is not None and not title and not line.startswith(("##", *_NO_CODE)):
+            over = not code or code[-1].endswith((";", ":")) or code[-1].startswith("END_")
+            if not line or _CODE.match(line) or (code and (depth > 0 or not over)):
+                code += [line] if line else []
                 depth += len(_OPENS.findall(line)) - len(_CLOSES.findall(line))
-            continue
+                continue
         if code:
             yield heading, "\n".join(code)
         code, depth = ([] if line == "SCL" else None), 0
