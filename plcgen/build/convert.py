@@ -270,8 +270,8 @@ def _lost_in_text(block: Block, place: Span) -> Iterator[Diagnostic]:
     event = block.attributes.get("SecondaryType")
     if event:
         message = f'{block.kind} "{block.name}": that its event is {event} is not converted'
-        help_ = "a source has no words for it: check the OB in the TIA Portal after the import"
-        yield Diagnostic("PG815", message, place, Severity.WARNING, help=help_)
+        help_ = "a source has no words for it: set it in the TIA Portal after the import; --keep-going writes the rest"
+        yield Diagnostic("PG815", message, place, Severity.ERROR, help=help_)
 
 
 def _wrong(text: str, block: Block) -> str:
@@ -291,7 +291,7 @@ def _to_document(
     code = ""
     if is_array_db(block):
         message = f'{block.kind} "{block.name}" is one array: documents of array DBs are not written, it is left out'
-        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING))
+        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.ERROR, help="import it as a source"))
         return []
     if block.kind in _CODE and block.code is not None:
         scope = BlockScope.of(block, types.values(), read.constants)

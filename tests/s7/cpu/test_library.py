@@ -223,3 +223,22 @@ def test_a_label_that_is_called_label():
     bench = bench_of("n : Int;", "#n := 0;\nLABEL: #n := #n + 1;\nIF #n < 3 THEN GOTO LABEL; END_IF;")
     bench.call("D")
     assert bench.cpu["D.n"] == 3
+
+
+def test_enable_input_of_a_call():
+    """A call with EN FALSE does nothing: of a timer, an FB, an FC and an instruction."""
+    also = (
+        'FUNCTION_BLOCK "Count"\nVAR_OUTPUT\nn : Int;\nEND_VAR\nBEGIN\n#n := #n + 1;\nEND_FUNCTION_BLOCK\n'
+        'FUNCTION "Seven" : Void\nVAR_OUTPUT\ny : Int;\nEND_VAR\nBEGIN\n#y := 7;\nEND_FUNCTION\n'
+    )
+    bench = bench_of(
+        'c : "Count"; n : Int; y : Int; z : UInt; on : Bool; t : TON_TIME; a : Array[0..3] of Char; m : Int;',
+        '#c(EN := #on, n => #n); "Seven"(EN := #on, y => #y); #t(EN := #on, IN := TRUE, PT := T#1s);\n'
+        "Strg_TO_Chars(EN := #on, Strg := 'ab', pChars := 0, Cnt => #z, Chars := #a); #m := #y + 1;",
+        also=also,
+    )
+    bench.call("D")
+    assert [bench.cpu[f"D.{name}"] for name in ("n", "y", "z", "t.IN", "m")] == [0, 0, 0, False, 1]
+    bench.cpu["D.on"] = True
+    bench.call("D")
+    assert [bench.cpu[f"D.{name}"] for name in ("n", "y", "z", "t.IN", "m")] == [1, 7, 2, True, 8]

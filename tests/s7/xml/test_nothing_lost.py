@@ -271,6 +271,9 @@ def test_the_event_of_an_ob_is_told_both_ways(tmp_path: Path) -> None:
     data = found.replace(">ProgramCycle<", ">CyclicInterrupt<").encode()
     _, messages = to_text(tmp_path / "back", data, "Startup.scl")
     assert messages == ['OB "Startup": that its event is CyclicInterrupt is not converted']
+    (tmp_path / "lost.xml").write_bytes(data)
+    result = plcgen.convert(tmp_path / "lost.xml", to="scl", out=tmp_path / "lost")
+    assert (result.ok, result.written) == (False, ())
 
 
 def test_an_array_db_does_not_become_another_block(tmp_path: Path) -> None:

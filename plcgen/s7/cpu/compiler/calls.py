@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.s7.cpu.compiler.access import Access
 from plcgen.s7.cpu.compiler.arguments import Arguments
 from plcgen.s7.cpu.compiler.assignments import Assignments
 from plcgen.s7.cpu.compiler.context import Context, Listing
-from plcgen.s7.cpu.compiler.conversions import coerce
+from plcgen.s7.cpu.compiler.conversions import coerce, truth
 from plcgen.s7.cpu.compiler.expressions import Expressions
 from plcgen.s7.cpu.compiler.functions import Functions, Reported
 from plcgen.s7.cpu.compiler.library import Library
@@ -78,6 +78,8 @@ class Calls:
     def call_value(self, node: ast.Call) -> Val:
         """Compile a call inside an expression."""
         target = node.target
+        if any((argument.name or "").upper() == "EN" for argument in node.arguments):
+            self.context.error("PG827", "the soft CPU does not execute EN of a call with a value", node, "use IF")
         if isinstance(target, ast.Address) or (isinstance(target, ast.Member) and self.is_data(target)):
             place = self.places.place(node)
             return self.access.load(place) if place is not None else unknown()
@@ -118,6 +120,10 @@ class Calls:
 
     def call_statement(self, statement: ast.CallStatement) -> None:
         """Compile a call that stands alone."""
+        names = [(argument.name or "").upper() for argument in statement.call.arguments]
+        if "EN" in names and "ENO" not in names:
+            self.enabled_call(statement, names.index("EN"))
+            return
         node, target = statement.call, statement.call.target
         if isinstance(target, ast.Name) and not self.is_instance(target):
             found = self.context.link.find(target.name)
@@ -154,6 +160,21 @@ class Calls:
                 found = self.context.link.find(target.name)
                 type_ = self.context.link.instance_type(found) if found is not None else ""
             self.call_instance(node, place, type_)
+
+    def enabled_call(self, statement: ast.CallStatement, position: int) -> None:
+        """``EN := ..``: nothing happens if it is FALSE (help of the TIA Portal, EN/ENO mechanism in SCL)."""
+        node = statement.call
+        enable = node.arguments[position].value
+        self.out.emit(f"if {truth(self.context, self.expressions.value(enable), enable)}:")
+        self.out.indent += " "
+        self.access.forget()
+        begin = len(self.out.lines)
+        others = (*node.arguments[:position], *node.arguments[position + 1 :])
+        self.call_statement(replace(statement, call=replace(node, arguments=others)))
+        if len(self.out.lines) == begin:
+            self.out.emit("pass")
+        self.out.indent = self.out.indent[:-1]
+        self.access.forget()
 
     def is_timer(self, node: ast.Expression) -> bool:
         """Whether ``x`` of ``x.TON(..)`` is an IEC_TIMER of its own or in a data block."""
