@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import DiagnosticError, Span
 from plcgen.s7.layout.layout import Layout, layout_block, locate
 from plcgen.s7.scl import ast
-from plcgen.s7.scl.lexer import LOCAL, NAME, QUOTED, WORDS
+from plcgen.s7.scl.lexer import LOCAL, QUOTED
 from plcgen.s7.types.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.types.data_types import ArrayType, DataType, Member, NamedType, StructType
 from plcgen.s7.types.errors import UnknownPathError
-
-if TYPE_CHECKING:
-    from plcgen.workbench.service.sources.state import SourceState
+from plcgen.workbench.service.sources.state import NAMES, SourceState
 
 DEEPEST = 64
 """Steps of a name; types contain each other seven levels deep at most on any CPU."""
@@ -54,7 +51,7 @@ class Meant:
 def meant_at(state: SourceState, offset: int) -> tuple[Meant, Span] | None:
     """What the name at an offset means, and where that name stands."""
     at = state.token_at(offset)
-    if at is None or state.tokens.kinds[at] not in {LOCAL, *WORDS}:
+    if at is None or state.tokens.kinds[at] not in NAMES:
         return None
     found = meaning(state, at)
     if found is None:
@@ -114,7 +111,7 @@ def written(state: SourceState, at: int) -> list[Step]:
     steps: list[Step] = []
     index = ""
     while at >= 0 and len(steps) < DEEPEST:
-        if tokens.kinds[at] not in {LOCAL, *WORDS}:
+        if tokens.kinds[at] not in NAMES:
             return []
         steps.append(Step(_bare(tokens.texts[at]), index))
         if at < 2 or tokens.kinds[at - 1] != ".":
@@ -251,7 +248,7 @@ def uses(state: SourceState, key: tuple[str, ...]) -> Iterator[Span]:
     """Every place of a source at which something is named."""
     tokens, name = state.tokens, key[-1]
     for at, kind in enumerate(tokens.kinds):
-        if (kind in {LOCAL, NAME, QUOTED} or kind in WORDS) and _bare(tokens.texts[at]).upper() == name:
+        if kind in NAMES and _bare(tokens.texts[at]).upper() == name:
             meant = meaning(state, at)
             if meant is not None and meant.key == key:
                 yield tokens.span(tokens.starts[at], tokens.end(at))

@@ -18,11 +18,13 @@ from plcgen.project.allowances import allowances, settled
 from plcgen.s7.cpu.sources import SUFFIXES, check_text, find_sources
 from plcgen.s7.read.text import load_text, parse_source
 from plcgen.s7.scl import ast
-from plcgen.s7.scl.lexer import NAME, QUOTED, Tokens, tokenize
+from plcgen.s7.scl.lexer import LOCAL, NAME, QUOTED, WORDS, Tokens, tokenize
 from plcgen.s7.scl.parser import ParseResult
 from plcgen.s7.types.blocks import Block
 from plcgen.workbench.service.documents import Document, Documents
 
+NAMES = WORDS | {LOCAL}
+"""Kinds of tokens that may be a step of a name."""
 MOST_BYTES = 32 * 1024 * 1024
 """Sources around a file are read up to so many bytes together."""
 
@@ -96,14 +98,11 @@ class SourceState:
         return found[:-1]
 
     def token_at(self, offset: int) -> int | None:
-        """The token at an offset, or the one that ends there."""
-        at = bisect_right(self.tokens.starts, offset) - 1
-        if at >= 0 and self.tokens.starts[at] <= offset < self.tokens.end(at):
-            return at
-        return at - (self.tokens.starts[at] == offset) if at > 0 and self._ends(at, offset) else None
-
-    def _ends(self, at: int, offset: int) -> bool:
-        return self.tokens.end(at if self.tokens.starts[at] < offset else at - 1) == offset
+        """The token at an offset; between two of them the one that is a name."""
+        tokens = self.tokens
+        last = bisect_right(tokens.starts, offset) - 1
+        found = [at for at in (last, last - 1) if at >= 0 and tokens.texts[at] and offset <= tokens.end(at)]
+        return next((at for at in found if tokens.kinds[at] in NAMES), found[0] if found else None)
 
     def unit_at(self, offset: int) -> ast.Unit | None:
         """The block in which an offset is."""

@@ -51,10 +51,6 @@ class Shape:
         """What a key is for."""
         return str(self._said(path, "description") or "")
 
-    def types(self, path: Path) -> list[str]:
-        """What kinds of values may stand at a path, in the words of a schema."""
-        return list(dict.fromkeys(kind for one in self.at(path) for kind in _types(one)))
-
     def bounds(self, path: Path) -> tuple[Any, Any]:
         """The least and the greatest number."""
         low, high = ([one[key] for one in self.at(path) if key in one] for key in ("minimum", "maximum"))
