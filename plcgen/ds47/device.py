@@ -19,6 +19,7 @@ from plcgen.ds47.references import parse_reference
 if TYPE_CHECKING:
     from plcgen.ds47.wire.bico import Layout
     from plcgen.ds47.wire.errors import Table
+    from plcgen.ds47.wire.formats import Takes
 
 
 def _number(key: str) -> str:
@@ -229,12 +230,12 @@ class Device:
 
     ``record_index`` maps access points to data record indexes; ``default_index`` names the default one.
     ``drive_objects`` is None when every number is possible. ``answer_format`` is ``exact`` (the parameter's
-    type) or ``size`` (41h/42h/43h). ``scalar_elements`` is the number of elements this device wants in a
-    request without an index: (read, write). ``bases`` are the numbers of limits and references, which other values
-    are measured by. ``bico`` says whether BICO values carry the drive object, ``like`` from which device those
-    parameters come that the profile does not name. ``object_types`` is None if all parameters are in one drive object,
-    or nobody knows in which. ``main_values`` are parameters by what they
-    are called as outputs, ``absences`` numbers that it is known not to have, beside those that its lists lack.
+    type) or ``size`` (41h/42h/43h), ``takes`` what it takes in a change. ``scalar_elements`` is the number of
+    elements this device wants in a request without an index: (read, write). ``bases`` are the numbers of limits and
+    references, which other values are measured by. ``bico`` says whether BICO values carry the drive object, ``like``
+    from which device those parameters come that the profile does not name. ``object_types`` is None if all parameters
+    are in one drive object, or nobody knows in which. ``main_values`` are parameters by what they are called as
+    outputs, ``absences`` numbers that it is known not to have, beside those that its lists lack.
     """
 
     key: str
@@ -256,6 +257,7 @@ class Device:
     bico: Layout
     error_table: Table
     parameters: dict[int, Parameter]
+    takes: Takes = "any"
     like: str = field(default="", compare=False)
     object_types: ObjectTypes | None = None
     lists: tuple[DeviceList, ...] = ()

@@ -45,7 +45,7 @@ from plcgen.ds47.types import TypeTextError, read_type
 from plcgen.ds47.wire import formats
 from plcgen.ds47.wire.bico import Layout, parse_bico
 from plcgen.ds47.wire.errors import Table
-from plcgen.ds47.wire.formats import Format, FormatKind, FormatValueError
+from plcgen.ds47.wire.formats import Format, FormatKind, FormatValueError, Takes
 from plcgen.ds47.wire.model import MAX_ELEMENTS, MAX_PARAMETERS, RECORD_LIMIT
 
 LENDERS = "lenders"
@@ -152,6 +152,12 @@ class Answers(StrictModel):
 
     format: Literal["exact", "size"] = Field("exact", description="type of a value: its own, or 41h..43h by size")
     error_words: Literal[1, 2] = Field(2, description="words per error: the number, and a word of information")
+
+
+class Changes(StrictModel):
+    """What the device takes in a change."""
+
+    formats: Takes = Field("any", description="own type and 41h..43h by size, one of the two, or 43h alone")
 
 
 class ScalarElements(StrictModel):
@@ -303,6 +309,7 @@ class DeviceProfile(StrictModel):
     object_types: ProfileObjects | None = Field(None, description="types of drive objects, if it has several")
     limits: ProfileLimits = Field(ProfileLimits(), description="how much one telegram may hold")
     answers: Answers = Field(Answers(), description="how the device answers")
+    takes: Changes = Field(Changes(), description="what the device takes in a change")
     scalar_elements: ScalarElements = Field(ScalarElements(), description="elements in a request without an index")
     strict_length: bool = Field(default=True, description="a request of another length than its contents is refused")
     bases: tuple[Annotated[int, Field(ge=1, le=0xFFFF)], ...] = Field(
@@ -377,6 +384,7 @@ class DeviceProfile(StrictModel):
             max_parameters=self.limits.parameters,
             max_elements=self.limits.elements,
             answer_format=self.answers.format,
+            takes=self.takes.formats,
             error_words=self.answers.error_words,
             scalar_elements=(self.scalar_elements.read, self.scalar_elements.write),
             strict_length=self.strict_length,

@@ -35,8 +35,9 @@ def read_type(text: str) -> tuple[Format, int]:
         fmt = formats.by_name(split[0]) if split else None
     except KeyError:
         fmt = None
-    if fmt is None or split is None or not fmt.writable or fmt.generic:
-        names = [f.name for f in formats.FORMATS if f.writable and not f.generic]
+    own = fmt is not None and split is not None and (not fmt.generic or split[0] == fmt.name)  # WORD is the PLC's
+    if fmt is None or split is None or not fmt.writable or not own:
+        names = [f.name for f in formats.FORMATS if f.writable]
         word = split[0] if split else text
         plc = _PLC_TYPES.get(word.upper())
         hint = did_you_mean(word, names) if plc is None else f'did you mean "{plc}"?'

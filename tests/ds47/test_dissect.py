@@ -65,7 +65,7 @@ def test_valid_telegrams_have_no_problems(row):
     ("data", "name", "note"),
     [
         ("01 09 01 01 10 01 00 01 00 00", "request id", "reserved"),
-        ("01 40 01 01 10 01 00 01 00 00", "request id", "manufacturer-specific"),
+        ("01 4F 01 01 10 01 00 01 00 00", "request id", "manufacturer-specific"),
         ("01 01 01 28 10 01 00 01 00 00", "number of parameters", "outside 1 to 39"),
         ("01 01 01 01 40 01 00 01 00 00", "parameter 1 attribute", "reserved"),
         ("01 01 01 01 10 EB 00 01 00 00", "parameter 1 number of elements", "over 234"),
@@ -118,6 +118,9 @@ def test_error_table_is_the_callers_choice():
         ("02 01 00 02", "unknown"),
         ("02 82 00 02", "response"),
         ("01 45 01 01 10 01 00 01 00 00", "request"),
+        ("01 40 00 01 10 00 20 6C 00 00", "request"),
+        ("01 40 00 01 43 01 31 1C 72 89", "response"),
+        ("01 C0 00 01 44 01 08 10", "response"),
         ("01 01 01 01 99 01 00 01 00 00", "unknown"),
         ("01 02 01 01 08 01 00 01 00 00", "unknown"),
     ],
@@ -132,3 +135,30 @@ def test_a_reserved_reference_is_told_but_no_mistake():
     field = dissect_request(bytes.fromhex("00 01 01 01 10 01 00 01 00 00"))[0]
     assert (field.name, field.value, field.problem) == ("request reference", "00h", False)
     assert "reserved in PROFIdrive" in field.note
+
+
+def test_services_of_sew_have_names():
+    """SEW DFE32B manual, pp. 73, 77 and 78: MOVILINK index 8300 is read; a write has its value after it."""
+    read = dissect_request(bytes.fromhex("01 40 00 01 10 00 20 6C 00 00"))
+    assert [(field.note, field.problem) for field in read if field.note] == [
+        ("SEW MOVILINK service", False),
+        ("read parameter", False),
+    ]
+    answer = dissect_response(bytes.fromhex("01 40 00 01 43 01 31 1C 72 89"))
+    assert (answer[1].note, answer[-1].value) == ("SEW MOVILINK service (+)", "823947913")
+    write = dissect_request(bytes.fromhex("01 40 00 01 30 00 20 6C 00 00 43 01 00 00 00 05"))
+    assert not [field for field in write if field.problem]
+    assert (write[4].note, write[-1].value) == ("write parameter, volatile", "5")
+
+
+@pytest.mark.parametrize("attribute", [0x80, 0x81, 0x82, 0xF0])
+def test_attributes_of_makers_are_told_but_no_mistake(attribute):
+    """PROFIdrive leaves 80h and above to makers."""
+    field = dissect_request(bytes((1, 1, 1, 1, attribute, 1, 0, 1, 0, 0)))[4]
+    assert (field.note, field.problem) == ("manufacturer-specific", False)
+
+
+def test_older_numbers_of_formats_are_known():
+    """21h is N2, as Danfoss MCA 120 answers (p. 42): 4000h is 16384."""
+    fields = dissect_response(bytes.fromhex("01 01 01 01 21 01 40 00"))
+    assert [(f.value, f.note) for f in fields[4:]] == [("21h", "N2 (21h)"), ("1", ""), ("16384", "N2 (21h)")]

@@ -180,11 +180,13 @@ def profile_text(device: Device) -> str:
         "drive_object": objects,
         "limits": limits,
         "answers": {"format": device.answer_format, "error_words": device.error_words},
+        "takes": {"formats": device.takes},
         "scalar_elements": dict(zip(("read", "write"), device.scalar_elements, strict=True)),
         "strict_length": device.strict_length,
         "bases": list(device.bases),
         "bico": device.bico,
         "error_table": device.error_table,
+        "main_values": dict(device.main_values),
     }
     types = device.object_types
     if types is not None:

@@ -8,7 +8,7 @@ from plcgen.s7.types.data_types import ELEMENTARY, Elementary
 
 _SAME = {"FloatingPoint": "REAL", "Integer16": "INT", "Integer32": "DINT", "Boolean": "BYTE", "VisibleString": "CHAR",
          "OctetString": "BYTE", "V2": "WORD", "L2": "WORD", "N2": "INT", "E2": "INT", "X2": "INT", "N4": "DINT",
-         "C4": "DINT", "X4": "DINT"}  # fmt: skip
+         "C4": "DINT", "X4": "DINT", "Byte": "BYTE", "Word": "WORD", "DoubleWord": "DWORD"}  # fmt: skip
 _CLASSIC = {"Integer8": "BYTE", "Unsigned8": "BYTE", "Unsigned16": "WORD", "Unsigned32": "DWORD", "R2": "WORD",
             "T2": "WORD", "D2": "WORD", "T4": "DWORD", "TimeDifference": "DWORD",
             "TimeOfDayWithoutDate": "DWORD", "TimeDifferenceWithoutDate": "DWORD"}  # fmt: skip

@@ -53,6 +53,7 @@ def behaviour_of(device: Device, local_object: int | None = None) -> Behaviour:
     return Behaviour(
         error_words=device.error_words,
         answer_format=device.answer_format,
+        takes=device.takes,
         record_indexes=tuple(device.record_index.values()),
         local_object=local_object,
         max_parameters=device.max_parameters,

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
     from plcgen.ds47.sim.behaviour import Behaviour
     from plcgen.ds47.sim.parameters import DriveObject, SimulatedParameter
-    from plcgen.ds47.wire.formats import Value
+    from plcgen.ds47.wire.formats import Takes, Value
 
 WHOLE = 0
 """Position of an injected error that stands for the whole request."""
@@ -193,7 +193,7 @@ class Server:
         refusal = 0x11 if self.frozen else parameter.refusal(target.state, change=True)
         if refusal is not None:
             raise _RefusedError(refusal)
-        values = _wire_values(parameter, address, block, exact=exact)
+        values = _wire_values(parameter, address, block, self.behaviour.takes, exact=exact)
         start = 0 if parameter.format.is_string else start
         if block is not None and parameter.format.kind is formats.FormatKind.BOOLEAN:
             _true_or_false(block.data[: len(values)], start)
@@ -278,7 +278,7 @@ def _range(parameter: SimulatedParameter, address: ParameterAddress) -> tuple[in
 
 
 def _wire_values(
-    parameter: SimulatedParameter, address: ParameterAddress, block: ValueBlock | None, *, exact: bool
+    parameter: SimulatedParameter, address: ParameterAddress, block: ValueBlock | None, takes: Takes, *, exact: bool
 ) -> list[Value]:
     """Return the values of a change in the parameter's own type."""
     if block is not None:
@@ -287,7 +287,7 @@ def _wire_values(
             raise _RefusedError(0x17)
     if block is None or not exact or not count_matches(address.elements, block.count):
         raise _RefusedError(0x18)
-    if not formats.accepts(parameter.format, block.format):
+    if not formats.accepts(parameter.format, block.format, takes):
         raise _RefusedError(0x05)
     if not parameter.format.is_string:
         return block.values(parameter.format)

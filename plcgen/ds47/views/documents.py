@@ -98,7 +98,7 @@ def _identifiers(plan: DrivePlan) -> dict[str, Any]:
         for drive in plan.drives
         if drive.key in used
     ]
-    return {"what": "address" if classic else "identifier", "drives": rows}
+    return {"what": "address" if classic else "identifier", "drives": rows, "classic": classic}
 
 
 def _number(value: int, *, classic: bool) -> str:

@@ -15,19 +15,36 @@ from plcgen.ds47.wire.errors import error_text
 from plcgen.ds47.wire.model import MAX_ELEMENTS, MAX_PARAMETERS, Attribute, RequestId, ResponseId
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from plcgen.ds47.wire.errors import Table
 
 Guess: TypeAlias = Literal["request", "response", "unknown"]
 
-_REQUESTS = {0x01: "request parameter", 0x02: "change parameter"}
+MOVILINK, TRANSPORT = 0x40, 0x41
+"""Request ids of SEW (DFE32B manual p. 73); with the first one the attribute is a service, and a value may follow."""
+_REQUESTS = {
+    0x01: "request parameter",
+    0x02: "change parameter",
+    MOVILINK: "SEW MOVILINK service",
+    TRANSPORT: "SEW data transport",
+}
 _RESPONSES = {
     0x01: "request parameter (+)",
     0x02: "change parameter (+)",
     0x80: "service not supported",
     0x81: "request parameter (-)",
     0x82: "change parameter (-)",
+    MOVILINK: "SEW MOVILINK service (+)",
+    TRANSPORT: "SEW data transport",
+    0x80 | MOVILINK: "SEW MOVILINK service (-)",
 }
 _ATTRIBUTES = {0x10: "value", 0x20: "description", 0x30: "text"}
+_SERVICES = {
+    0x00: "no service", 0x10: "read parameter", 0x20: "write parameter", 0x30: "write parameter, volatile",
+    0x40: "read minimum", 0x50: "read maximum", 0x60: "read default", 0x80: "read attribute", 0x90: "read EEPROM",
+}  # fmt: skip
+"""Attributes with a MOVILINK service (DFE32B manual p. 73; 30h: MOVI-PLC DH.41B manual p. 66)."""
 
 
 @dataclass(slots=True)
@@ -70,11 +87,10 @@ def _header(walker: _Walker, mirror: str, name: str, known: dict[int, str]) -> t
     return identifier, walker.number(1, f"number of parameters{mirror}", bad=bad)
 
 
-def _address(walker: _Walker, at: str) -> None:
+def _address(walker: _Walker, at: str, names: Mapping[int, str]) -> None:
     attribute = walker.peek(1)
-    note = _ATTRIBUTES.get(attribute, "reserved")
-    known = attribute in _ATTRIBUTES
-    walker.add(1, f"{at} attribute", f"{attribute:02X}h", note, problem=not known)
+    note = names.get(attribute, "manufacturer-specific" if attribute >= 0x80 else "reserved")
+    walker.add(1, f"{at} attribute", f"{attribute:02X}h", note, problem=note == "reserved")
     elements = walker.peek(1)
     bad = f"over {MAX_ELEMENTS}" if elements > MAX_ELEMENTS else ""
     walker.number(1, f"{at} number of elements", bad=bad)
@@ -151,8 +167,8 @@ def dissect_request(data: bytes) -> list[ByteField]:
         if walker.left == 0:
             walker.missing(f"the address of parameter {position}")
             return walker.fields
-        _address(walker, f"parameter {position}")
-    if identifier == RequestId.CHANGE:
+        _address(walker, f"parameter {position}", _SERVICES if identifier == MOVILINK else _ATTRIBUTES)
+    if identifier == RequestId.CHANGE or (identifier in {MOVILINK, TRANSPORT} and walker.left):
         for position in range(1, count + 1):
             if walker.left == 0:
                 walker.missing(f"the value of parameter {position}")
@@ -186,12 +202,15 @@ def looks_like(data: bytes) -> Guess:
     80h to 82h in byte 1 is a response. 01h and 02h occur in both: byte 4 decides, since the attributes of a
     request (10h, 20h, 30h) are no format codes. Four bytes with 02h are the positive response to a change,
     because a request has at least one address; they could also be a request that was cut short.
-    Manufacturer-specific ids (40h to 7Fh) occur in requests only. Anything else is ``unknown``.
+    Manufacturer-specific ids (40h to 7Fh) occur in requests, but for those of SEW, whose answers begin with a double
+    word or an error. Anything else is ``unknown``.
     """
     if len(data) < 4:
         return "unknown"
     identifier, byte4 = data[1], data[4] if len(data) > 4 else None
-    if identifier in {ResponseId.NOT_SUPPORTED, ResponseId.READ_NEGATIVE, ResponseId.CHANGE_NEGATIVE}:
+    if identifier in {ResponseId.NOT_SUPPORTED, ResponseId.READ_NEGATIVE, ResponseId.CHANGE_NEGATIVE, 0x80 | MOVILINK}:
+        return "response"
+    if identifier in {MOVILINK, TRANSPORT} and byte4 in {formats.DOUBLE_WORD, formats.ERROR}:
         return "response"
     if byte4 is None:
         return "response" if identifier == ResponseId.CHANGE else "unknown"

@@ -24,7 +24,7 @@ import math
 import struct
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from plcgen.base.diagnostics import PlcgenError
 from plcgen.s7.types.values import keeps
@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 Value: TypeAlias = bool | int | float | str | bytes
+Takes: TypeAlias = Literal["any", "own", "size", "double_word"]
+"""In which formats a device takes a change: the own type or 41h to 43h, one of these two, or 43h alone."""
 
 
 class FormatValueError(PlcgenError, ValueError):
@@ -183,10 +185,13 @@ def generic_of(size: int) -> Format | None:
     return None if code is None else by_code(code)
 
 
-def accepts(declared: Format, wire: int) -> bool:
+def accepts(declared: Format, wire: int, takes: Takes = "any") -> bool:
     """Whether a change of ``declared`` may come as ``wire``: the exact code, or the generic format of the same size."""
     generic = None if declared.is_string else generic_of(declared.size)
-    return wire == declared.code or (generic is not None and wire == generic.code)
+    by_size = generic is not None and wire == generic.code
+    if takes == "double_word":
+        return by_size and wire == DOUBLE_WORD
+    return (wire == declared.code and takes != "size") or (by_size and takes != "own")
 
 
 def answers(declared: Format) -> tuple[int, ...]:

@@ -41,6 +41,7 @@ def guide_before(plan: DrivePlan) -> list[GuideLine]:
     asked = {job.drive.key for job in plan.jobs}
     found = _said("identifiers", what="address" if plan.target.classic else "identifier")
     found += [_drive(drive, classic=plan.target.classic) for drive in plan.drives if drive.key in asked]
+    found += _said("errors") if plan.target.classic else []
     numbered = [
         buffer.db for job in plan.shapes for one in job.telegrams for buffer in one.buffers if buffer.db is not None
     ]
