@@ -28,7 +28,16 @@ _LINK = re.compile(r"(\]\()([^)#\s]+)(#[^)\s]*)?(\))")
 _FENCE = re.compile(r"^(```.*?^```)", re.MULTILINE | re.DOTALL)
 
 
-BOOSTS = {"codes/": 0.2, "adr/": 0.2, "CHANGELOG": 0.2, "evidence": 0.5, "s7-layout": 0.3, "s7-memory": 0.3, "s7.": 0.3, "tasks/": 2}
+BOOSTS = {
+    "codes/": 0.2,
+    "adr/": 0.2,
+    "CHANGELOG": 0.2,
+    "evidence": 0.5,
+    "s7-layout": 0.3,
+    "s7-memory": 0.3,
+    "s7.": 0.3,
+    "tasks/": 2,
+}
 """What a page counts in the search, by the front of its address: tasks come first, what explains a code last."""
 
 
