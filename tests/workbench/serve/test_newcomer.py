@@ -32,13 +32,17 @@ class Task:
 
 TASKS = {
     "read the speed of a pump": Task(
-        "sinamics-g120", "s7-1500", "tia-v19", (("read_actual_values", "torque", "r31", "+ read"),), seen="r21"
+        "sinamics-g120",
+        "s7-1500",
+        "tia-v19",
+        (("read_actual_values", "motor temperature", "r35", "+ read"),),
+        seen="r35",
     ),
     "set ramps from a panel": Task(
         "sinamics-g120", "s7-1200", "tia-v17", (("set_ramps", "OFF3 ramp", "P1135", "+ write"),), seen="P1135"
     ),
     "show the fault memory": Task("sinamics-s120", "s7-1500", "tia-v20", kind="messages", seen="faults"),
-    "save to ROM": Task("sinamics-s120", "s7-1500", "tia-v19", kind="save", seen="ROM"),
+    "save to ROM": Task("sinamics-s120", "s7-1500", "tia-v19", kind="save", seen="save: drive_object"),
     "an MM440 on PROFIBUS": Task("micromaster-4", "s7-300", "step7-v5", seen="P1120"),
     "a DCM as in the FAQ": Task("sinamics-dcm", "s7-300", "tia-v16", seen="P50304"),
     "log an S7-200": Task("ppi", "s7-1200", "tia-v19", kind="read", seen="VW200"),
@@ -59,7 +63,7 @@ def browser(folder: Path, tmp_path: Path) -> Iterator[Page]:
     with served(folder) as address, page(tmp_path) as found:
         found.size(1400)
         found.open(address)
-        found.wait("document.querySelector('#dialog').open")
+        found.wait("!!document.querySelector('#dialog')?.open")
         yield found
         assert found.problems == []
 
@@ -69,7 +73,7 @@ def begin(browser: Page, device: str, family: str, toolchain: str) -> None:
     for name, value in (("device", device), ("family", family), ("toolchain", toolchain)):
         browser.fill(f"#dialog select[name={name}]", value)
     browser.click("#dialog button", "Create")
-    browser.wait("!document.querySelector('#dialog').open")
+    browser.wait("!document.querySelector('#dialog')?.open")
     browser.wait("document.querySelectorAll('#jobs .row').length")
 
 
@@ -83,6 +87,7 @@ def finish(browser: Page) -> None:
     browser.fill("#verify-files", "disk")
     browser.fill("#effort", "none")
     browser.click("#verify-start")
+    browser.wait("document.querySelector('#verify-cancel').disabled", "it has ended")
     browser.sees("#verified .verdict", "\u2713 ok")
 
 

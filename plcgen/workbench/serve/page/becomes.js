@@ -29,6 +29,8 @@ export function becomesTab(desk) {
     if (!found || now.text !== desk.text) return;
     body.removeAttribute("aria-busy");
     made = found;
+    const depth = (path) => path.split("/").length - (path.endsWith(".scl") ? 0.5 : 0);
+    made.files.sort((a, b) => depth(a.path) - depth(b.path) || a.path.localeCompare(b.path));
     asked = { ...now, writes: desk.writes };
     draw();
   }

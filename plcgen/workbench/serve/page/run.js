@@ -4,6 +4,7 @@ import { ask, attempt } from "./ask.js";
 import { word } from "./words.js";
 import { Lanes, telegramTable } from "./lanes.js";
 
+const FEW = 6;  // jobs whose lanes are all shown; of more those that have run
 const BOOLS = [["execute", "main"], ["busy", "note"], ["done", "good"], ["error", "bad"]];
 
 export function runTab(desk) {
@@ -19,7 +20,7 @@ export function runTab(desk) {
   const wire = h("div", { id: "wire", class: "wire" });
   const decoded = h("div", { id: "decoded" });
   const members = h("datalist", { id: "members" });
-  const setting = h("input", { id: "set", placeholder: "DriveJobs.setRamps.rampUp=5.0", list: "members" });
+  const setting = h("input", { id: "set", list: "members" });
   setting.setAttribute("list", "members");
   const fault = h("input", { id: "fault", list: "faults" });
   fault.setAttribute("list", "faults");
@@ -32,6 +33,7 @@ export function runTab(desk) {
     fill(members, found.members.map((path) => option(path.replace(/"/g, ""))));
     fill(faults, found.faults.map((one) => option(one)));
     fault.placeholder = found.example;
+    setting.placeholder = found.members.length ? `${found.members[0].replace(/"/g, "")}=` : "";
     fill(decoded);
     fill(wire, h("p", { class: "quiet" }, word("noExchange")));
     for (const one of [run, step, ten]) one.disabled = false;
@@ -59,7 +61,9 @@ export function runTab(desk) {
 
   function chosen() {
     const list = [];
-    for (const job of state.jobs) {
+    const ran = (job) => ["execute", "busy"].some((name) => (state.series.get(`${job.key}.${name}`) ?? []).some(([, value]) => value === true));
+    const many = state.jobs.length > FEW, seen = many ? state.jobs.filter(ran) : state.jobs;
+    for (const job of seen.length ? seen : state.jobs.slice(0, FEW)) {
       const named = (name) => state.known.find((one) => one.id === `${job.key}.${name}`);
       for (const [name, style] of BOOLS) if (named(name)) list.push({ title: name, group: job.key, kind: "bool", style, series: state.series.get(`${job.key}.${name}`) });
       const found = named("state");
@@ -79,7 +83,7 @@ export function runTab(desk) {
       const on = state.series.get(`${job.key}.execute`)?.at(-1)?.[1] === true;
       return h("div", { class: "row job" }, h("button", {
         "aria-pressed": on ? "true" : "false", title: job.execute, "data-job": job.key, onclick: () => put(`${job.execute.replace(/"/g, "")}=${on ? "FALSE" : "TRUE"}`),
-      }, word("execute")), h("b", {}, job.key), h("small", { class: last?.ending === "error" ? "bad" : "" }, `${last?.ending ?? ""} ${last?.status ?? ""}`));
+      }, word("execute")), h("b", {}, job.key), h("small", { class: last?.ending === "error" ? "bad" : "" }, last && last.ending !== "not_started" ? `${last.ending} ${last.status}` : ""));
     }));
   }
 

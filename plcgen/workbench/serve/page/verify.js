@@ -39,6 +39,7 @@ export function verifyTab(desk) {
   start.addEventListener("click", async () => {
     start.disabled = true;
     cancel.disabled = false;
+    fill(body);
     const asked = { ...desk.now, origin: origin.value, faults: effort.value };
     const found = await follow(() => ask("verify", asked), bar, told);
     start.disabled = false;
