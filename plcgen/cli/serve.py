@@ -41,5 +41,10 @@ def command(*, folder: Path, port: int, browser: bool) -> int:
 
             webbrowser.open(address)
 
-    serve(folder, port, told)
+    try:
+        serve(folder, port, told)
+    except KeyboardInterrupt:  # the usual end
+        out.say("")
+    except OSError as problem:
+        raise click.ClickException(f"port {port} cannot be used: {problem.strerror or problem}") from problem
     return OK

@@ -72,7 +72,7 @@ class Server:
             else:
                 answer.data += message.get("body", b"")
 
-        asyncio.run(self.app(scope, receive, send))  # type: ignore[arg-type]
+        asyncio.run(self.app(scope, receive, send))
         return answer
 
     def get(self, path: str, **headers: str | None) -> Answer:

@@ -285,7 +285,7 @@ def test_a_page_of_another_site_reaches_nothing(address: str, folder: Path, tmp_
             """Nothing is said."""
 
         def __init__(self, *given: object) -> None:
-            super().__init__(*given, directory=str(site))  # type: ignore[arg-type]
+            super().__init__(*given, directory=str(site))
 
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Quiet) as other, page(tmp_path) as found:
         threading.Thread(target=other.serve_forever, daemon=True).start()
