@@ -120,6 +120,7 @@ def serve(folder: Path, port: int, told: Callable[[str], None]) -> None:
     ):
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(("127.0.0.1", port))
+        listener.listen()  # who is told the address may ask at once
         chosen = listener.getsockname()[1]
         token = secrets.token_urlsafe(24)
         config = uvicorn.Config(
