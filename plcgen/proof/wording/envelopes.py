@@ -71,11 +71,46 @@ def check_envelope(
             yield from _texts(path, element, texts, wanted, comments, whole=False)
         elif tag.startswith((*_BLOCKS, *_TABLES)):
             yield from _attributes(path, element, tag)
+        elif tag == "Member" and (copied := child(element, "Sections")) is not None:
+            yield from _copied(path, element, copied)
         if tag in {"SW.Types.PlcStruct", "SW.Blocks.GlobalDB"}:
             block = folder.text.get(path.stem.upper())
             all_said = [one.spoken(block) for one in stated] if block is not None else []
             comment = {CULTURES.get(name, name): line for one in all_said for name, line in (one or {}).items()}
             yield from _described(path, element, comment)
+
+
+def _copied(path: Path, member: Element, copied: Element) -> Iterator[Diagnostic]:
+    """The members of a type, which a member of that type repeats with their comments."""
+    name = member.get("Datatype", "").rpartition(" of ")[2].strip('"')
+    own = [_spoken(one) for one in copied.iter("{*}Member")]
+    declared = (
+        _said_by(path.with_name(f"{name}.xml")) if any(one[1:] for one in own) else []
+    )  # of an array none has any
+    for one, two in zip(declared, own, strict=False):
+        if one != two:
+            message = f"{name}.{one[0]} says {_shown(one)}, its copy {two[0]} {_shown(two)}"
+            yield Diagnostic("PG614", message, span(member, str(path)))
+
+
+def _said_by(path: Path) -> list[tuple[str, ...]]:
+    """The members of a type with their comments; none of a type without a document."""
+    if not path.is_file():
+        return []
+    try:
+        return [_spoken(one) for one in parse_xml(*load(path)).iter("{*}Member")]
+    except DiagnosticError:
+        return []  # told where the document is read
+
+
+def _spoken(member: Element) -> tuple[str, ...]:
+    """Name, then each comment with its language."""
+    said = children(child(member, "Comment"), "MultiLanguageText")
+    return member.get("Name", ""), *(f"{one.get('Lang', '')}: {text(one)}" for one in said)
+
+
+def _shown(said: tuple[str, ...]) -> str:
+    return ", ".join(f'"{one}"' for one in said[1:]) or "nothing"
 
 
 def _described(path: Path, element: Element, wanted: Mapping[str, str]) -> Iterator[Diagnostic]:

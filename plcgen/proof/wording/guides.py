@@ -111,6 +111,9 @@ def check_documents_guide(
     parts = ("documents", "script" if script else "no_script")
     front = [*(line for part in parts for line in _said(part, **words)), "## Order", *steps, *_said("faults", **words)]
     yield from differences([*map(GuideLine, front), *_experimental(project, folder, stated)], lines, 0)
+    titles = [line.partition(". ")[2].partition(":")[0] for line in steps]
+    if titles != [title for title in _texts()["titles"] if title in titles] or len(titles) != len(set(titles)):
+        yield 1, f"the steps are called {', '.join(titles)}"
     if not script:
         yield from _complete(folder.path, said)
 

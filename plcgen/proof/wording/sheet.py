@@ -39,7 +39,7 @@ class _Table:
     members: dict[str, Member]
     starts: dict[str, str]
     stated: Sequence[Wording]
-    seen: int = 0
+    seen: set[str] = field(default_factory=set)
     place: int = -1
 
     def texts(self, name: str, offset: int) -> set[str]:
@@ -137,8 +137,8 @@ def _ended(sheet: _Sheet) -> Iterator[str]:
     yield from (f'the line "{min(texts)}" is missing above' for texts in sheet.waiting)
     sheet.waiting = []
     table, sheet.table = sheet.table, None
-    if table is not None and table.seen < sum(entry.depth == 0 for entry in table.layout.entries):
-        yield f"{table.block.name} has members that are not listed"
+    if table is not None:
+        yield from (f"{table.block.name}.{name} is not listed" for name in sorted(table.members.keys() - table.seen))
 
 
 def _lists(block: Block, folder: Folder, stated: Sequence[Wording]) -> list[frozenset[str]] | None:
@@ -174,8 +174,8 @@ def _row(table: _Table, row: Sequence[str]) -> Iterator[str]:
     if len(row) != len(_COLUMNS):
         yield f"a row has {len(row)} columns"
         return
-    table.seen += 1
     offset, address, name, type_, size, start, meaning = map(plain, row)
+    table.seen.add(name)
     entry, of = table.entries.get(name) or table.entries.get(f"telegram.{name}"), table.block.name
     if entry is None:
         yield f"{of} has no {name}"
