@@ -209,7 +209,7 @@ def check_lock(
 
 def audit(*paths: Path | str, spec: Path | str) -> Verification:
     """Audit hand-written buffers and the calls that send them, in sources against a spec."""
-    from plcgen.proof.audit import audit_files as run
+    from plcgen.proof.audited import audit_files as run
 
     return run([Path(path) for path in paths], Path(spec))
 

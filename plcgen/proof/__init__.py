@@ -121,8 +121,8 @@ def stated_group(proofs: Sequence[Proof], bench: ProgramBench) -> list[CheckGrou
 
 
 def _verify(asked: Asked, progress: Progress | None, means: Means, report: Report) -> Verification:
-    from plcgen.proof.delivery import delivered
     from plcgen.proof.execution import check_execution
+    from plcgen.proof.files import delivered
     from plcgen.proof.folder import read_folder
     from plcgen.proof.layouts import layout_pending
     from plcgen.proof.ledger import LAYOUT

@@ -1,11 +1,17 @@
-"""What an audit of a protocol returns: what it looked at, and what is wrong."""
+"""Audits: sources of anyone and a spec in, checks out, in the shape of a verification, which reports can show.
+
+Every protocol of the spec says what it finds in the sources; nothing here knows one.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
-from plcgen.base.diagnostics import Diagnostic, Note, Severity, Span
-from plcgen.proof.checks import Check, CheckGroup, Outcome
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Note, Report, Severity, Span
+from plcgen.base.diagnostics.counting import shortlist
+from plcgen.proof.checks import Check, CheckGroup, Outcome, Verification
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,3 +47,30 @@ def audited(id_: str, subject: str, text: str, findings: AuditFindings, good: st
         outcome = Outcome.ERROR if errors else Outcome.WARNING
         return Check(id_, subject, text, outcome, f"{first.message}{more}", first)
     return Check(id_, subject, text, Outcome.OK, "; ".join([good, *findings.notes]))
+
+
+def audit_files(paths: Sequence[Path], spec: Path) -> Verification:
+    """Hold sources against the plan of a spec; every finding is a diagnostic."""
+    label = shortlist([path.as_posix() for path in paths], 3, f" (+{len(paths) - 3})")
+    report = Report()
+    try:
+        return _audit(paths, spec, label, report)
+    except DiagnosticError as problem:
+        report.extend(problem.diagnostics)
+    return Verification(str(spec), label, "", "", (), tuple(report), "audit")
+
+
+def _audit(paths: Sequence[Path], spec: Path, label: str, report: Report) -> Verification:
+    from plcgen.project.opening import open_spec
+    from plcgen.s7.read.blocks import read_sources
+
+    opened = open_spec(spec)
+    project = opened.sound()
+    report.extend(opened.diagnostics)
+    target = f"{project.target.family} / {project.target.toolchain}"
+    sources = read_sources(paths, classic=project.target.classic)
+    report.extend(sources.diagnostics)
+    found = [plan.protocol.audit(plan, sources) for plan in project.plans]
+    report.extend(dict.fromkeys(problem for one in found for problem in one.diagnostics))
+    groups = tuple(group for one in found for group in one.groups)
+    return Verification(str(spec), label, project.name, target, groups, tuple(report), "audit")

@@ -21,13 +21,13 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
+from pydantic import BaseModel, ConfigDict, StringConstraints, TypeAdapter, ValidationError
 
 from plcgen.base.files.files import read_bounded
 from plcgen.base.replacing import DRAFT, digest_of, replace_file
 from plcgen.proof.results import Result
-from plcgen.proof.stored import RESULT, portable, with_folder
 
+RESULT: TypeAdapter[Result] = TypeAdapter(Result)
 FORMAT = 1
 VARIABLE = "PLCGEN_CACHE"
 """Names the folder, or is one of ``OFF``."""
@@ -191,3 +191,25 @@ class VerdictCache:
     def _write(path: Path, data: bytes) -> None:
         path.parent.mkdir(mode=0o700, exist_ok=True)
         replace_file(path, data)
+
+
+def portable(result: Result, folder: Path) -> Result:
+    """With the names of files below the folder, and the counters of these alone."""
+
+    def name(file: str) -> str:
+        path = Path(file)
+        return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else file
+
+    counts = {name(file): own for file, own in result.counts.items() if Path(file).is_relative_to(folder)}
+    failures = [replace(failure, file=name(failure.file)) for failure in result.failures]
+    return replace(result, counts=counts, failures=failures)
+
+
+def with_folder(result: Result, folder: Path) -> Result:
+    """The same for the files of a folder."""
+
+    def file(name: str) -> str:
+        return str(folder / name) if name and (folder / name).is_file() else name
+
+    failures = [replace(failure, file=file(failure.file)) for failure in result.failures]
+    return replace(result, counts={str(folder / name): own for name, own in result.counts.items()}, failures=failures)

@@ -1,4 +1,4 @@
-"""Files: complete, unchanged since generation, in the encoding the tool wants, accepted by our own front end."""
+"""Every file of a delivered folder: complete, unchanged, well encoded, accepted by our front end; what it says."""
 
 from __future__ import annotations
 
@@ -11,8 +11,12 @@ from plcgen.base.diagnostics import Diagnostic, Severity, Span
 from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check, Outcome, file_check
 from plcgen.proof.folder import Folder
+from plcgen.proof.headers import check_headers
 from plcgen.proof.inventory import inventory, listed_files, owned_files
-from plcgen.proof.making import Pending, attempted
+from plcgen.proof.making import Pending, attempted, make_checks
+from plcgen.proof.tables import check_tables
+from plcgen.proof.twins import check_twins
+from plcgen.proof.wording import check_wording
 from plcgen.s7.read.generated import generated_documents, generated_sources, spec_of
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.xml.reading.invariants import check_invariants
@@ -24,17 +28,23 @@ _DIALECTS = {
 }
 
 
-def check_files(project: Project, folder: Folder) -> Iterator[Pending]:
-    """Checks of the group ``files``."""
+def delivered(project: Project, folder: Folder) -> tuple[Check, ...]:
+    """Manifest, encodings, syntax, the two spellings of every block, headers, tables, what texts say."""
     place = Span(str(folder.path))
     looks: dict[str, tuple[str, Callable[[Project, Folder], Iterator[Check]]]] = {
         "files.manifest": ("files", _manifest),
         "files.encoding": ("sources", _encodings),
         "files.syntax": ("sources", _syntax),
         "files.simaticml": ("SimaticML", _documents),
+        "files.twins": ("text and SimaticML", check_twins),
+        "headers": ("headers", check_headers),
+        "files.tables": ("tables", check_tables),
+        "files.wording": ("wording", check_wording),
     }
-    for id_, (subject, look) in looks.items():
-        yield Pending(id_, subject, lambda: place, partial(look, project, folder))
+    found = (
+        Pending(id_, subject, lambda: place, partial(look, project, folder)) for id_, (subject, look) in looks.items()
+    )
+    return tuple(make_checks(found, "files", place))
 
 
 def _manifest(project: Project, folder: Folder) -> Iterator[Check]:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from plcgen.project.opening import open_spec
 from plcgen.proof.checks import Check, Outcome
-from plcgen.proof.delivery import delivered
+from plcgen.proof.files import delivered
 from plcgen.proof.folder import read_folder
 from plcgen.proof.layouts import check_layout
 from tests.projects import ROOT, per_block_spec

@@ -16,7 +16,7 @@ import pytest
 from plcgen import api
 from plcgen.project.opening import open_spec
 from plcgen.proof.checks import Outcome
-from plcgen.proof.delivery import delivered
+from plcgen.proof.files import delivered
 from plcgen.proof.folder import read_folder
 from tests.projects import generated_example
 from tests.proof.damaging import Edit, damaged, findings

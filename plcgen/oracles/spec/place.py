@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -41,3 +42,17 @@ def texts(given: Any) -> frozenset[str]:
 
 class NotStatedError(ValueError):
     """Nothing here says what the spec demands."""
+
+
+_UNITS = {"ms": 1, "s": 1000, "min": 60_000, "h": 3_600_000}
+_TIME = re.compile(r"\s*(\d+)\s*(ms|s|min|h)\s*")
+
+
+def milliseconds(text: Any, default: int) -> int:
+    """A time as a spec writes it, ``200ms``, ``10s``, ``2min``, ``1h``; ``default`` if none is given."""
+    if text is None:
+        return default
+    match = _TIME.fullmatch(str(text))
+    if match is None:
+        raise NotStatedError(f"{text!r} is no time")
+    return int(match[1]) * _UNITS[match[2]]

@@ -13,8 +13,13 @@ from pathlib import Path
 from plcgen.project.nouns import Project
 from plcgen.proof.folder import Folder, plain, rendered
 from plcgen.proof.wording.model import GuideLine, Wording
-from plcgen.proof.wording.unproven import EARLY, VERSION, WATCH, unproven
+from plcgen.s7.types.blocks import BlockKind
 
+SCRIPT, WORKBOOK = "the script was not run against a TIA Portal", "the workbook was not imported into a TIA Portal"
+WATCH = "watch tables follow the Openness manual; no genuine export was available to compare with"
+VERSION = "no genuine export of this TIA Portal version was available to compare with"
+EARLY, INFERRED = ("V14 SP1", "V15", "V15.1"), ("V14 SP1", "V15", "V15.1", "V20")
+"""Versions of which no genuine document was at hand: not at all, or none with a code block."""
 GUIDE, DOCUMENTS = "IMPORT.md", "xml/IMPORT.md"
 _RULE = re.compile(r"\|(?:-+:?\|)+|```\w*|")
 _BAR = re.compile(r"(?<!\\)\|")
@@ -160,6 +165,22 @@ def _experimental(project: Project, folder: Folder, stated: Sequence[Wording]) -
             rest = note == VERSION and project.target.xml_version in EARLY
             accepts = partial(_says, {"all other documents"} if rest else names, note)
             yield GuideLine(f"- {', '.join(f'`{name}`' for name in sorted(names))}: {note}", accepts)
+
+
+def unproven(project: Project, folder: Folder, stated: Sequence[Wording], path: str) -> str:
+    """Why a file is experimental, "" if it is not."""
+    if path in {"tags.xlsx", "xml/import.ps1"}:
+        return WORKBOOK if path == "tags.xlsx" else SCRIPT
+    name, version = path.removeprefix("xml/").removesuffix(".xml"), project.target.xml_version
+    if not path.endswith(".xml"):
+        return ""
+    if name.startswith("Watch_"):
+        return WATCH
+    block = folder.text.get(name.upper())
+    if block is not None and block.kind is BlockKind.FB:
+        return next((one.note for one in stated if one.title(block) is not None), "")
+    made = block is not None and (block.kind is BlockKind.OB or bool(block.instance_of))
+    return VERSION if version in (INFERRED if made else EARLY) else ""
 
 
 def _says(names: set[str], note: str, text: str) -> bool:

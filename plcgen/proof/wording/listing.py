@@ -10,8 +10,8 @@ from plcgen.base.files.files import read_bounded
 from plcgen.project.nouns import Project
 from plcgen.project.ownership import is_owned
 from plcgen.proof.folder import Folder
+from plcgen.proof.wording.guides import unproven
 from plcgen.proof.wording.model import Wording
-from plcgen.proof.wording.unproven import unproven
 
 FILE = "manifest.json"
 MAX_BYTES = 64 * 1024 * 1024

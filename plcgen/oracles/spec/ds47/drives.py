@@ -9,8 +9,7 @@ from typing import Any
 from plcgen.oracles.profidrive import LONGEST, MOST_ELEMENTS, MOST_PARAMETERS
 from plcgen.oracles.spec.ds47.parameters import StatedCatalogue
 from plcgen.oracles.spec.ds47.statement import StatedDrive
-from plcgen.oracles.spec.ds47.times import milliseconds
-from plcgen.oracles.spec.place import Keys, NotStatedError, SpecSource, texts
+from plcgen.oracles.spec.place import Keys, NotStatedError, SpecSource, milliseconds, texts
 
 RECORDS = {"profibus": 47, "profinet-local": 0xB02E, "profinet-global": 0xB02F}
 """S120 Function Manual Communication 12/2018, section 3.4."""

@@ -7,7 +7,7 @@ kept as a complaint.
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from plcgen.oracles.profidrive import CHANGE, ERROR, NEGATIVE, READ, SUBSTITUTES, VALUE_ATTRIBUTE
@@ -218,12 +218,3 @@ class RecordingDevice:
         by_size = self.by_size and not base(type_).endswith("String")  # several octets are no type of one byte
         code = SUBSTITUTES.get(size_of(type_), code_of(type_)) if by_size else code_of(type_)
         return bytes((code, len(access.indexes))) + data + bytes(len(data) % 2)
-
-
-def each_value(telegram: HeardTelegram, sizes: Callable[[int], int]) -> Iterator[tuple[HeardAccess, int, bytes]]:
-    """Every value of a telegram with its subindex: what is written, or what was answered."""
-    for position, access in enumerate(telegram.accesses):
-        size = sizes(access.number)
-        data = access.data if telegram.write else telegram.answered[position] if telegram.answered else b""
-        for at, index in enumerate(access.indexes):
-            yield access, index, data[at * size : at * size + size]

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from plcgen.oracles.spec.ds47.times import milliseconds
+from plcgen.oracles.spec.place import milliseconds
 
 TIMEOUT_MS, PAUSE_MS = 10_000, 200
 SOON_MS = 0, 20, 50, 100

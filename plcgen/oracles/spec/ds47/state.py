@@ -15,8 +15,7 @@ from plcgen.oracles.spec.ds47.drives import KnownDrive, known_drives
 from plcgen.oracles.spec.ds47.kinds import messages, recipe, save
 from plcgen.oracles.spec.ds47.settings import outside_signals, restores, times
 from plcgen.oracles.spec.ds47.statement import StatedJob, StatedStep, Statement, Unstated
-from plcgen.oracles.spec.ds47.times import milliseconds
-from plcgen.oracles.spec.place import NotStatedError, SpecSource, texts
+from plcgen.oracles.spec.place import NotStatedError, SpecSource, milliseconds, texts
 
 StatesKind = Callable[[JobReader], Iterator[StatedStep]]
 """What a kind of job demands, step by step."""

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from plcgen.oracles.spec.ds47.accesses import JobReader
 from plcgen.oracles.spec.ds47.statement import StatedCondition, StatedStep
-from plcgen.oracles.spec.ds47.times import milliseconds
+from plcgen.oracles.spec.place import milliseconds
 
 COMMAND, CODES, PRESENT = "p3981", "r945[0..7]", 8
 LIMIT_MS, INTERVAL_MS = 5000, 500

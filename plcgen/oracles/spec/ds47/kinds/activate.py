@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from plcgen.oracles.spec.ds47.accesses import JobReader
 from plcgen.oracles.spec.ds47.statement import FromInput, StatedCondition, StatedStep
-from plcgen.oracles.spec.ds47.times import milliseconds
+from plcgen.oracles.spec.place import milliseconds
 
 COMMAND, ANSWER = "p105", "r106"
 """TIA Portal information system, TM41; LAcycCom, DriveActDeact."""

@@ -11,7 +11,7 @@ from typing import Any
 
 from plcgen.oracles.spec.ds47.accesses import JobReader
 from plcgen.oracles.spec.ds47.statement import StatedCondition, StatedStep
-from plcgen.oracles.spec.ds47.times import milliseconds
+from plcgen.oracles.spec.place import milliseconds
 
 NUMBERS = {"drive_object": "P971", "unit": "P977"}
 """S120 Function Manual Communication 12/2018; LAcycCom, DriveRamToRom."""

@@ -10,9 +10,8 @@ from typing import Any
 from plcgen.oracles.spec.ds47.accesses import JobReader, SpecItem
 from plcgen.oracles.spec.ds47.kinds.write import TRIGGERS, accesses
 from plcgen.oracles.spec.ds47.statement import FromInput, StatedAccess, StatedCondition, StatedStep
-from plcgen.oracles.spec.ds47.times import milliseconds
 from plcgen.oracles.spec.ds47.values import number_meant
-from plcgen.oracles.spec.place import Keys
+from plcgen.oracles.spec.place import Keys, milliseconds
 
 TIMEOUT_MS, INTERVAL_MS = 10_000, 500
 NOT_REACHED = 0x8510
