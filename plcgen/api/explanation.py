@@ -9,6 +9,7 @@ from plcgen.base.diagnostics.codes import all_codes
 from plcgen.base.diagnostics.codes import code as code_info
 from plcgen.base.display.page import Page
 from plcgen.ds47 import hardware
+from plcgen.ds47.explanation import term_page
 from plcgen.project.registry import protocols
 
 _NUMBER = re.compile(r"(?:(?:B|W|DW|BYTE|WORD|DWORD)#)?(?:16#|0x|\$)?([0-9a-f_]{1,10})(h?)\Z", re.IGNORECASE)
@@ -19,7 +20,7 @@ _CODE = re.compile(r"PG[0-9]{3}\Z", re.IGNORECASE)
 
 def explain_page(key: str, device: str = "") -> Page | None:
     """Explain ``PG209``, ``0x11`` (DS47 error), ``16#8101`` (status word), ``DF80B500`` (STATUS), ``hardware-id``,
-    ``F30001`` (message), ``r2 = 42`` (parameter); the last two of a device, or of all.
+    ``PKW`` (term), ``F30001`` (message), ``r2 = 42`` (parameter); the last two of a device, or of all.
 
     Raises:
         DiagnosticError: PG201 if there is no such device.
@@ -35,6 +36,9 @@ def explain_page(key: str, device: str = "") -> Page | None:
         return _diagnostic(text.upper())
     if text.lower() == hardware.SUBJECT:
         return hardware.hardware_page()
+    term = term_page(text)
+    if term is not None:
+        return term
     match = _NUMBER.match(text)
     digits = match[1].replace("_", "") if match else ""
     pages = [page for protocol in protocols() if match and (page := protocol.explain(digits)) is not None]

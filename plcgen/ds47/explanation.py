@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import tomllib
+from pathlib import Path
+
 from plcgen.base.display.page import Page
 from plcgen.base.display.view import PLAIN
 from plcgen.ds47.texts import status_text
@@ -9,6 +12,7 @@ from plcgen.ds47.wire.errors import MANUFACTURER_FIRST, error_text, known_number
 from plcgen.ds47.wire.status import explain_codes, explain_status, explain_word
 from plcgen.ds47.words import STATUS_WORDS
 
+_TERMS = Path(__file__).with_name("terms.toml")
 _CODES = range(0xA0, 0xF0)
 """Error_Code_1 that a drive or module gives; as Error_Decode they do not exist."""
 
@@ -27,6 +31,15 @@ def explain(digits: str) -> Page | None:
     if len(digits) == 4:
         return word_page(value)
     return status_page(value) if len(digits) == 8 else None
+
+
+def term_page(word: str) -> Page | None:
+    """What a term of the parameter channel means; None for anything else."""
+    for term in tomllib.loads(_TERMS.read_text("utf-8"))["terms"]:
+        if " ".join(word.lower().split()) in term["spellings"]:
+            sections = (("Here", term["here"]), ("Source", term["source"]))
+            return Page(term["title"], term["means"], sections)
+    return None
 
 
 def error_page(number: int) -> Page:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema, create_model, model_validator
@@ -228,6 +229,19 @@ class JobSettings(StrictModel):
 
 class JobEntry(JobSettings, JobTarget):
     """One job on one drive; the keys of its kind stand between ``drive`` and the settings, see ``drive_sections``."""
+
+    FOREIGN = MappingProxyType(
+        {
+            key: meant
+            for keys, meant in (
+                ("every interval period repeat poll", "cycle: 1s lets the job run every second"),
+                ("wait until delay", "sequence: [{until: {r722.0: 1, timeout: 5s}}] waits for a value"),
+                ("step steps", "sequence: [{write: {P10: 1}}, {until: {P10: 1}}] has steps"),
+                ("sign_off reason", "allow: {P971: the reason} signs a write off"),
+            )
+            for key in keys.split()
+        }
+    )
 
     @model_validator(mode="before")
     @classmethod

@@ -71,3 +71,16 @@ def test_the_lower_word_of_a_status(word: int, means: str) -> None:
     assert [(name, text.endswith(means)) for name, text in page.sections] == [
         ("As the lower word of a WRREC or RDREC STATUS", True)
     ]
+
+
+@pytest.mark.parametrize(
+    ("word", "title", "says"),
+    [("PKW", "PKW", "PKE"), ("pzd", "PZD", "STW"), ("data  set 47", "DS47", "B02E"), ("BICO", "BICO", "source")],
+)
+def test_terms_of_the_channel_are_explained(word: str, title: str, says: str) -> None:
+    """In any spelling, each with where it is defined."""
+    page = api.explain(word)
+    assert page is not None
+    assert page.key == title
+    assert says in page.title
+    assert dict(page.sections)["Source"]

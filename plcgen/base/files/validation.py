@@ -11,8 +11,8 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from types import UnionType
-from typing import Annotated, Any, Generic, TypeVar, Union, get_args, get_origin
+from types import MappingProxyType, UnionType
+from typing import Annotated, Any, ClassVar, Generic, TypeVar, Union, get_args, get_origin
 
 from pydantic import (
     BaseModel,
@@ -34,8 +34,12 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 class StrictModel(BaseModel):
-    """What every part of a file is: known keys only, no conversions, unchangeable; built when first used."""
+    """What every part of a file is: known keys only, no conversions, unchangeable; built when first used.
 
+    ``FOREIGN`` are keys that are none here but mean something elsewhere, with what is written instead.
+    """
+
+    FOREIGN: ClassVar[Mapping[str, str]] = MappingProxyType({})
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, protected_namespaces=(), defer_build=True)
 
 
@@ -355,7 +359,9 @@ class _Teller:
     def unknown_key(self, path: Path) -> Diagnostic:
         name = str(path[-1])
         allowed = self.keys(path[:-1])
-        hint = self.lower(name, allowed) or did_you_mean(name, allowed) or "remove the key;"
+        models = (part for part in _at(self.model, path[:-1]) if _is_model(part) and issubclass(part, StrictModel))
+        meant = next((f"{text};" for part in models if (text := part.FOREIGN.get(name.lower()))), "")
+        hint = meant or self.lower(name, allowed) or did_you_mean(name, allowed) or "remove the key;"
         help_ = f"{hint} keys here: {', '.join(allowed)}" if allowed else hint.rstrip(";")
         place = self.root.find(path[:-1]).key_span(name)
         return Diagnostic("PG104", f'unknown key "{name}" in {self.where(path)}', place, help=help_)

@@ -38,6 +38,9 @@ WHOLE: Mapping[str, Mapping[str, int]] = {"current": {}, "all": {"history": 7}}
 
 
 def _whole(value: object) -> object:
+    if isinstance(value, bool):
+        help_ = "current reads those that are present, all their history too"
+        raise problem(f'"{str(value).lower()}" does not say how much of the buffer is read', help_=help_)
     if not isinstance(value, str):
         return value
     if value not in WHOLE:

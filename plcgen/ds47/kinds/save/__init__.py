@@ -27,6 +27,14 @@ def _lasting(value: object) -> object:
     return value
 
 
+def _what(value: object) -> object:
+    """``save: true`` leaves open what is saved."""
+    if isinstance(value, bool):
+        help_ = "save: drive_object saves the drive object of the job (p0971), save: unit the whole unit (p0977)"
+        raise problem(f'"{str(value).lower()}" does not say what is saved', help_=help_)
+    return value
+
+
 class SaveSettings(StrictModel):
     """What a drive saves, how long that may take, and how often it may happen."""
 
@@ -83,7 +91,7 @@ SAVE = JobKind(
     key="save",
     place=40,
     writes=True,
-    shape=Annotated[SaveSettings, short_item("persist")],
+    shape=Annotated[SaveSettings, short_item("persist"), BeforeValidator(_what)],
     description="drive_object or unit: what the drive must keep without power, or {persist, limit, ..}",
     example="save: drive_object",
     items=_save_items,

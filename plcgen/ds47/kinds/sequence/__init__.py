@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from types import MappingProxyType
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -96,6 +97,11 @@ def _conditions(value: object) -> object:
 
 class SequenceStep(StrictModel):
     """One step of a sequence: it reads, it writes, or it waits for values."""
+
+    FOREIGN = MappingProxyType(
+        dict.fromkeys(("wait", "wait_for", "when"), "until: {r722.0: 1, timeout: 5s} waits for a value")
+        | dict.fromkeys(("delay", "pause", "sleep"), "a step waits for a value, not for a time: until: {r722.0: 1}")
+    )
 
     read: Annotated[tuple[Annotated[ReadItem, short_item("parameter")], ...] | None, ONE_OR_MORE] = Field(
         None, description="parameters to read, as in a job"
