@@ -286,6 +286,12 @@ class Device:
             return self.find(pnu, object_type) if those and all(one.rows(pnu) for one in those) else None
         return own if own.type and own.grades.get("type") != "recalled" else None
 
+    def bit_text(self, pnu: int, bit: int, object_type: str) -> str:
+        """What the lists call a bit; empty if none does, or they differ."""
+        rows = [row for one in _candidates(self.lists, object_type) for row in one.rows(pnu)]
+        texts = {row.names("bits").get(bit, "") for row in rows}
+        return texts.pop() if len(texts) == 1 else ""
+
     def search(self, text: str) -> list[Parameter]:
         """Parameters by number whose titles have every word of a text, in the catalogue and in the lists."""
         words = text.split()

@@ -18,8 +18,8 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
         "sinamics-s150", "sinamics-s210", "sinamics-v90", "./acme.yaml", "./alike.yaml",
     ),
     "kind": (
-        "read", "main_values", "write", "input", "bits", "readback", "saved", "restore", "save", "faults", "alarms",
-        "acknowledge", "compare", "steps", "until", "activate", "clock", "write_recipe", "read_recipe",
+        "read", "shown", "main_values", "write", "input", "bits", "readback", "saved", "restore", "save", "faults",
+        "alarms", "acknowledge", "compare", "steps", "until", "activate", "clock", "write_recipe", "read_recipe",
         "compare_recipe",
     ),
     "type": (
@@ -89,6 +89,7 @@ def _kind(kind: str, parameter: str, value: Any) -> dict[str, Any]:
     several = {parameter: value, "P42990": 5.0}
     return {
         "read": {"read": [parameter, {"parameter": "P42990", "as": "x"}]},
+        "shown": {"read": [parameter, "P42980.0", {"parameter": "P42980.15", "as": "x"}]},
         "main_values": {"read": ["main_values", {"parameter": "P42990", "as": "x"}]},
         "write": {"write": several},
         "input": {"write": {parameter: None, "P42990": {"as": "ramp", "start": 2.0}}},

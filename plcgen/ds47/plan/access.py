@@ -15,9 +15,10 @@ _NUMBERS = frozenset({FormatKind.BOOLEAN, FormatKind.SIGNED, FormatKind.UNSIGNED
 
 @dataclass(frozen=True, slots=True)
 class Read:
-    """The value is an output, or a member of the record if it is ``recorded``."""
+    """The value is an output, or a member of the record if it is ``recorded``; ``bits`` are outputs of their own."""
 
     recorded: bool = False
+    bits: tuple[Use, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,6 +142,11 @@ class Use:
     def bits(self) -> tuple[Use, ...]:
         """The bits that are written, of a word that is not written as a whole."""
         return self.role.bits if isinstance(self.role, Write) else ()
+
+    @property
+    def read_bits(self) -> tuple[Use, ...]:
+        """The bits that are shown, of a word that is read."""
+        return self.role.bits if isinstance(self.role, Read) else ()
 
     @property
     def bit(self) -> int | None:

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from plcgen.base.diagnostics import Diagnostic, Report
 from plcgen.ds47.kind import Items, JobKind, Messages, ReadItem, WriteItem
 from plcgen.ds47.plan.access import Column, Compare, Read, Recount, Role, Use, Write
-from plcgen.ds47.plan.bits import BitResolver, has_bits, in_front
+from plcgen.ds47.plan.bits import BitResolver, has_bits, in_front, shown_bit
 from plcgen.ds47.plan.readback import read_back, transaction
 from plcgen.ds47.plan.recipes import Recipes
 from plcgen.ds47.plan.steps import resolved_steps
 from plcgen.ds47.plan.uses import UseResolver
-from plcgen.ds47.references import number_of
+from plcgen.ds47.references import Reference, number_of, parse_reference, split_bit
 from plcgen.ds47.registry import kinds
 from plcgen.ds47.schema import DriveSections, ErrorSettings, JobEntry
 from plcgen.project.spec import LoadedSpec, SpecPath
@@ -51,6 +51,38 @@ def kind_behind(job: JobEntry, kind: JobKind) -> JobKind | None:
     """The kind of what a job does behind its own."""
     behind = (one for one in kinds() if one.follows and one is not kind and getattr(job, one.key) is not None)
     return next(behind, None)
+
+
+@dataclass(slots=True)
+class _Expanded:
+    """Items with their places, and the bits that are shown of them, by number of the item."""
+
+    items: list[ReadItem | WriteItem] = field(default_factory=list)
+    places: list[SpecPath] = field(default_factory=list)
+    bits: dict[int, list[tuple[ReadItem, int, SpecPath]]] = field(default_factory=dict)
+    _words: dict[Reference, int] = field(default_factory=dict)
+    """Words of which bits are shown."""
+
+    def add(self, item: ReadItem | WriteItem, place: SpecPath) -> None:
+        """A parameter; it may be a word of which a bit has come already."""
+        at = self._words.pop(reference, None) if (reference := parse_reference(item.parameter)) is not None else None
+        if at is not None:
+            self.items[at], self.places[at] = item, place
+            return
+        self.items.append(item)
+        self.places.append(place)
+
+    def add_bit(self, item: ReadItem, word: str, number: int, place: SpecPath) -> None:
+        """A bit, with its word if that is not there yet."""
+        asked = parse_reference(word)
+        same = (at for at, one in enumerate(self.items) if parse_reference(one.parameter) == asked)
+        at = next(same, len(self.items))
+        if at == len(self.items):
+            self.items.append(ReadItem(parameter=word, type=item.type))
+            self.places.append(place)
+            if asked is not None:
+                self._words[asked] = at
+        self.bits.setdefault(at, []).append((item, number, place))
 
 
 @dataclass(slots=True)
@@ -92,23 +124,38 @@ class Accesses:
             return resolved_steps(tuple(kind.steps(given)), place, self.loaded, self.resolver)
         if kind.bits and has_bits(items):
             return self._with_bits(kind, items, place)
-        items, places = self._expanded(kind, items, place)
-        uses = self._resolved(kind, items, places, before)
+        expanded = self._expanded(kind, items, place)
+        items = tuple(expanded.items)
+        uses = self._resolved(kind, items, expanded.places, before)
         if len(uses) == len(items):
-            return self._complete(kind, uses, items)
+            return self._complete(kind, self._shown(uses, expanded), items)
         return uses if kind.messages is None else ()
 
-    def _expanded(self, kind: JobKind, items: Items, place: SpecPath) -> tuple[Items, list[SpecPath]]:
-        """The items with the main values of the device in place of their name, and where each of them stands."""
+    def _expanded(self, kind: JobKind, items: Items, place: SpecPath) -> _Expanded:
+        """The items with the main values of the device in place of their name, and words in place of bits."""
         whole = kind.fixed or kind.poll is not None
-        found: list[tuple[ReadItem | WriteItem, SpecPath]] = []
+        found = _Expanded()
         for number, item in enumerate(items):
             where = place if whole else (*place, number)
-            if item.parameter != MAIN_VALUES or kind.key != "read":
-                found.append((item, where))
-                continue
-            found += [(one, where) for one in self._main_values(item, where)]
-        return tuple(item for item, _ in found), [where for _, where in found]
+            bit = split_bit(item.parameter) if kind.key == "read" and isinstance(item, ReadItem) else None
+            if bit is not None and isinstance(item, ReadItem):
+                found.add_bit(item, *bit, where)
+            elif item.parameter != MAIN_VALUES or kind.key != "read":
+                found.add(item, where)
+            else:
+                for one in self._main_values(item, where):
+                    found.add(one, where)
+        return found
+
+    def _shown(self, uses: tuple[Use, ...], expanded: _Expanded) -> tuple[Use, ...]:
+        """The uses with the bits that are shown of them."""
+        found = []
+        for at, use in enumerate(uses):
+            asked = expanded.bits.get(at, ())
+            bits = [shown_bit(use, number, item, path, self.resolver) for item, number, path in asked]
+            known = tuple(bit for bit in bits if bit is not None)
+            found.append(replace(use, role=Read(bits=known)) if asked else use)
+        return tuple(found)
 
     def _main_values(self, item: ReadItem | WriteItem, place: SpecPath) -> Iterator[ReadItem]:
         """What stands behind ``main_values``; nothing after a diagnostic."""

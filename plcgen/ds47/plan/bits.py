@@ -1,7 +1,8 @@
-"""Bits that a job writes: those of one word are one access, which changes nothing else in the word."""
+"""Bits that a job writes or shows: those of one word are one access; a write changes nothing else in the word."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field, replace
 
 from plcgen.ds47.kind import Items, ReadItem, WriteItem
@@ -11,7 +12,7 @@ from plcgen.ds47.references import split_bit
 from plcgen.ds47.wire import formats
 from plcgen.ds47.wire.formats import FormatKind, integer_range
 from plcgen.project.spec import SpecPath
-from plcgen.s7.types.names import shorten
+from plcgen.s7.types.names import camel_case, shorten
 
 _BIT = formats.by_name("Boolean")
 _LONGEST = 4
@@ -51,7 +52,7 @@ class BitResolver:
     def _bit(self, item: WriteItem, whole: ReadItem, number: int, path: SpecPath) -> Use | None:
         """A bit, added to those of its word; None after a diagnostic."""
         word = self.resolver.resolve(whole, len(self.uses) + 1, path, write=True)
-        if word is None or not self._has(word, number, path):
+        if word is None or not self.fits(word, number, path):
             return None
         given = item.value if item.value is not None else item.start if item.start is not None else 0
         if isinstance(given, tuple) or given not in {0, 1} or isinstance(given, float):
@@ -79,7 +80,7 @@ class BitResolver:
         self.uses[at] = replace(there, role=Write(constant=True, bits=bits))
         return bit
 
-    def _has(self, word: Use, number: int, path: SpecPath) -> bool:
+    def fits(self, word: Use, number: int, path: SpecPath) -> bool:
         """Whether a parameter is one word that has the bit; PG259 if not."""
         fmt, place = word.format, (*path, "parameter")
         top = 8 * fmt.size - 1
@@ -115,6 +116,26 @@ class BitResolver:
 
     def _problem(self, message: str, path: SpecPath, help_: str) -> None:
         self.resolver.problem("PG259", message, path, help_)
+
+
+def shown_bit(word: Use, number: int, item: ReadItem, path: SpecPath, resolver: UseResolver) -> Use | None:
+    """A bit of a word that is read; None after a diagnostic. It is called as the lists of the drive call it."""
+    indexes = word.parameter.array or word.parameter.doubted.get("array")
+    if word.first is None and isinstance(indexes, int):
+        help_ = f"write {word.label}[{number}] for an index, {word.label}[0].{number} for a bit"
+        message = f"{word.label} has {indexes} indexes: a bit belongs to one of them"
+        resolver.problem("PG259", message, (*path, "parameter"), help_)
+        return None
+    if not BitResolver(resolver).fits(word, number, path):
+        return None
+    text = resolver.device.bit_text(word.parameter.pnu, number, resolver.object_type)
+    own = camel_case(re.sub("[^A-Za-z0-9]+", "_", text.partition(" (")[0]).strip("_").lower())
+    name = own if re.match("[a-z]", own) else f"{word.member}Bit{number}"
+    return replace(
+        word, format=_BIT, data=b"\0", member=item.as_ or shorten(name, resolver.longest_name), path=path, item=item,
+        comment=item.comment or {}, role=Bit(number, constant=False), position=-_LONGEST * 8 * word.position - number,
+        parameter=replace(word.parameter, title=text or word.parameter.title, unit=""),
+    )  # fmt: skip
 
 
 def _merged(word: Use, old: bytes, bits: dict[int, bytes]) -> bytes:

@@ -244,6 +244,11 @@ class DriveJob(PlannedJob):
         return () if self.whole else tuple(use for use in self.uses if not use.writes)
 
     @property
+    def shown_bits(self) -> tuple[tuple[Use, Use], ...]:
+        """Words that it reads with the bits of which each is an output."""
+        return tuple((use, bit) for use in self.uses for bit in use.read_bits)
+
+    @property
     def stores(self) -> bool:
         """Whether a record gets what it reads."""
         return self.recipe is not None and not self.supplied

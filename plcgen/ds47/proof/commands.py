@@ -104,7 +104,7 @@ def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterat
     values = {*clock_input.inputs(job), *(use.member for use in job.outputs)}
     values |= {*(FAILED if job.in_steps else ()), *recipe_signals(job)}
     values |= {CAUSE} if job.restores else set()
-    values |= {*cycle_signals(job)}
+    values |= {*cycle_signals(job), *(bit.member for _, bit in job.shown_bits)}
     values |= {path.partition("[")[0] for path in message_lists.paths(job)}
     wanted = {name for name in SIGNALS if name not in flags} | values
     prefix = f"{job.member}."

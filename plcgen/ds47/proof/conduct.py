@@ -203,6 +203,9 @@ class JobConduct:
         rig, telegram = self.rig, self.rig.telegram
         if run.scenario.guarded:
             self.untouched.check()
+        for word, bit in rig.job.shown_bits:  # an output is 0 before the first answer, and so are its bits
+            if rig.db.flag(bit.member) != bool(rig.db.get(word.member) >> (bit.bit or 0) & 1):
+                raise ScenarioError(f"{bit.member} is not bit {bit.bit} of {word.member}")
         if self.times is not None:
             self.times.observe(telegram, busy=run.seen[0])
         if rig.takes_over():

@@ -78,6 +78,7 @@ class JobRig:
         paths += [f"job.{CAUSE}"] if job.restores else []
         paths += [f"job.{name}" for name in recipe_signals(job)]
         paths += [f"job.{name}" for name in cycle_signals(job)]
+        paths += [f"job.{bit.member}" for _, bit in job.shown_bits]
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
         self.records = Records(job, self.db, "jobRecords", 1) if job.recipe is not None else None
         self.drive.asked = self.let_come if job.waits else None

@@ -43,6 +43,10 @@ def output_differences(rig: StatedRig, job: StatedJob, course: StatedCourse) -> 
             data = course.answer(step_number, number)
             if access.output and not access.write and all(data):
                 yield from _output(rig, f"{rig.member(job)}.{access.output}", access, data)
+            for bit, name in access.shown if all(data) else ():
+                path, wanted = f"{rig.member(job)}.{name}", bool(int.from_bytes(data[0]) >> bit & 1)
+                if rig.cpu[path] is not wanted:
+                    yield Difference(access.place, f"{path} = {wanted}", f"{rig.cpu[path]}")
 
 
 def _output(rig: StatedRig, path: str, access: StatedAccess, data: list[bytes]) -> Iterator[Difference]:

@@ -142,7 +142,7 @@ class DriveWording:
         for use in job.uses if not job.whole or job.deviations is not None or job.recipe is not None else ():
             if use.member == name:
                 found |= value_texts(use, called[use.position])
-            for bit in use.bits:
+            for bit in (*use.bits, *use.read_bits):
                 if bit.member == name:
                     found |= value_texts(bit, bit_label(use, bit, called[use.position]))
         features, figures = _features(job), {"records": job.recipe.count if job.recipe else 0, "cycle": job.cycle}

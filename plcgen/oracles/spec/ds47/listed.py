@@ -46,6 +46,15 @@ class StatedLists:
         own = [one for one in self._asked if one.get("grade", "read") == "read"]
         return not self._lent and bool(own) and all(any(self._rows(one, number)) for one in own)
 
+    def bit_name(self, number: int, bit: int) -> str:
+        """What they call a bit, in snake_case; empty if they do not, or differ."""
+        texts = set()
+        for row in (row for one in self._asked for row in self._rows(one, number)):
+            found = re.search(f"(?:^|; ){bit}=((?:(?!; -?[0-9]+=).)*)", row["bits"])
+            texts.add(found[1] if found else "")
+        name = re.sub("[^a-z0-9]+", "_", texts.pop().split(" (")[0].lower()).strip("_") if len(texts) == 1 else ""
+        return name if re.match("[a-z]", name) else ""
+
     def _rows(self, asked: Mapping[str, Any], number: int) -> Iterator[dict[str, str]]:
         _, headings, *lines = self._lines[str(asked["list"])]
         for line in lines:

@@ -89,6 +89,10 @@ class StatedCatalogue:
         grade = (facts.get("facts") or {}).get("type", facts.get("grade", "read"))
         return bool(facts.get("type", "unknown") != "unknown" and grade != "recalled")
 
+    def bit_name(self, number: int, bit: int) -> str:
+        """What the lists call a bit, in snake_case; empty if they do not."""
+        return self._lists.bit_name(number, bit)
+
     def read(self, text: str) -> WrittenParameter:
         """A parameter as it is written in a spec."""
         match = _WRITTEN.fullmatch(text.strip())

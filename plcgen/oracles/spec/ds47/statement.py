@@ -111,6 +111,8 @@ class StatedAccess:
     values: tuple[Source, ...] = ()
     bits: tuple[tuple[int, Source], ...] = ()
     output: str = ""
+    shown: tuple[tuple[int, str], ...] = ()
+    """Of a word that is read: bits that are outputs of their own, with their names."""
     bico: bool = False
     letter: str = "P"
     title: str = ""
