@@ -297,7 +297,7 @@ class JobConduct:
 
     def behind(self, run: Run[DriveScenario]) -> None:
         """Execute comes again in the call after the end, or the cycle goes on: the job is done once more."""
-        if run.scenario.of(Repeats) != Repeats():
+        if run.scenario.of(Repeats) != Repeats() and run.seen[1]:
             Repetition(self.rig, run, self.begun).go()
         if not run.scenario.at_once:
             return

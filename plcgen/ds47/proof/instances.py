@@ -117,8 +117,10 @@ class ThreeInstances:
         return 100 + 60 * len(self.job.telegrams) + len(self.all) * saving_scans(self.job)
 
     def begin(self, scan: int) -> None:
-        """Start what begins in this scan."""
+        """Start what begins in this scan; no cycle is over in it."""
         for instance in self.all:
+            if self.job.cycle:
+                instance.db.set(SINCE, 0)
             if instance.begins == scan:
                 instance.db.set("execute", 1)
 
@@ -134,8 +136,6 @@ class ThreeInstances:
         pace = Pace(self.cpu, [one.drive for one in self.all])
         for scan in range(self.patience + near + far):
             self.begin(scan)
-            for one in self.all if self.job.cycle else ():
-                one.db.set(SINCE, 0)  # no cycle is over
             self.cpu.call(self.block, pace.length())
             yield scan
             if self.cpu.misuses or self.cpu.faulted:

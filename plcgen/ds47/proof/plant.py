@@ -130,13 +130,17 @@ class Plant:
         """Scans of OB1."""
         for _ in range(count):
             self.scans += 1
-            for caller in self.plan.callers:
-                hold_back(self._instances[caller.number], self._jobs(caller))
+            self.hold()
             self.cpu.scan(milliseconds, blocks=self.blocks)
             if self.forgiven:
                 self.cpu.misuses[:] = [misuse for misuse in self.cpu.misuses if misuse.code not in self.forgiven]
             if self.cpu.misuses or self.cpu.faulted:
                 raise ScenarioError("misuse")
+
+    def hold(self) -> None:
+        """No cycle is over in the next scan."""
+        for caller in self.plan.callers:
+            hold_back(self._instances[caller.number], self._jobs(caller))
 
     def let_come(self, unit: PlannedUnit) -> None:
         """A unit is asked: what a sequence waits for that holds it is there."""

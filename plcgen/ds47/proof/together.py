@@ -231,6 +231,7 @@ def _two_obs(plant: Plant) -> None:
     for scan in range(plant.patience + trio.patience):
         plant.scans += 1
         trio.begin(scan)
+        plant.hold()
         chosen = {
             scan * STRIDE % max(passed, 1): trio.block,
             (scan * STRIDE + passed // 2) % max(passed, 1): trio.block,
