@@ -299,6 +299,7 @@ class JobConduct:
         """Execute comes again in the call after the end, or the cycle goes on: the job is done once more."""
         if run.scenario.of(Repeats) != Repeats() and run.seen[1]:
             Repetition(self.rig, run, self.begun).go()
+            self.rig.takes_over()  # those of the runs that have gone on
         if not run.scenario.at_once:
             return
         self.rig.forget()
