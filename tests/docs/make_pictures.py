@@ -46,7 +46,7 @@ def main() -> int:
 
 def workbench(room: Path, target: Path) -> None:
     """The page of ``serve`` with a mistake in a spec, and parameters that were found by a word."""
-    from tests.workbench.serve.browser import page
+    from tests.browser import page
     from tests.workbench.serve.server import served
 
     folder = room / "machines"

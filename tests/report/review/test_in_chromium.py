@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 from plcgen import api
 from plcgen.base.display.view import PLAIN
 from plcgen.report.registry import output_format
+from tests.browser import page as browsed
 from tests.chromium import MEASURE, evaluate, printed
 from tests.projects import ROOT
 from tests.report.review.reviews import faq_review, hostile_review, ppi_review, show
@@ -102,3 +104,25 @@ def test_the_script_filters_and_exports(tmp_path: Path) -> None:
     assert "Reviewed by: A. Reviewer" in text
     assert "- [x] write_ramp_down: P50304 RFG ramp-down time 1 = 100.0 s" in text
     assert "## Write list\n\nagreed" in text
+
+
+@pytest.mark.slow
+def test_what_a_reviewer_says_survives_a_reload(tmp_path: Path) -> None:
+    """A tick, the name and a comment are there again in the same page, and not in that of other files."""
+    target, other = tmp_path / "page.html", tmp_path / "other.html"
+    review = faq_review()
+    target.write_text(show("html", review), "utf-8")
+    other.write_text(show("html", replace(review, files_hash="0" * 64)), "utf-8")
+    seen = "[document.querySelector('input.box').checked, document.querySelector('#reviewer').innerText]"
+    with browsed(tmp_path / "room") as page:
+        page.open(target.as_uri())
+        page.click("input.box")
+        page.click("#reviewer")
+        page.type("A. Meier")
+        page.open(other.as_uri())
+        page.wait("location.pathname.endsWith('other.html') && document.readyState === 'complete'")
+        assert page.evaluate(seen) == [False, ""]
+        page.open(target.as_uri())
+        page.wait("location.pathname.endsWith('page.html') && document.readyState === 'complete'")
+        assert page.evaluate(seen) == [True, "A. Meier"]
+        assert page.problems == []

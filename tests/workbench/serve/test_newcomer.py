@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip("uvicorn", reason="the extra serve is not installed")
 
 from plcgen import api
-from tests.workbench.serve.browser import Page, page
+from tests.browser import Page, page
 from tests.workbench.serve.server import served
 
 pytestmark = pytest.mark.slow

@@ -14,8 +14,8 @@ import pytest
 pytest.importorskip("uvicorn", reason="the extra serve is not installed")
 
 from plcgen.workbench.serve.page import has_editor
+from tests.browser import Page, page
 from tests.projects import ROOT
-from tests.workbench.serve.browser import Page, page
 from tests.workbench.serve.server import served
 
 FAQ, PUMP = "s7-300_6ra80_dp_tia.yaml", "s7-1500_g120_pn.yaml"
