@@ -47,16 +47,23 @@ _NO_KEYWORD = "".join(
     for word in "NOT AND OR XOR MOD DIV IF ELSIF CASE WHILE UNTIL TO BY THEN ELSE DO".split()  # noqa: SIM905
 )
 """``NOT#x`` is a keyword and a local variable, no literal with a type."""
+_PREFIXED = "|".join(
+    (
+        rf"(?i:P\#(?:(?:DB[ \t]*+\d++\.)?[A-Z]{{1,3}}[ \t]*+)?\d++\.\d++{_COUNT})",
+        rf"[Pp]\#{{1,2}}(?:\"[^\"\n]*+\"|{_WORD})(?:\.{_WORD})*+",
+        _ADDRESS + r"(?!\w)(?::P(?!\w))?+",
+        _DATE,
+    )
+)
+"""What begins with one of a few letters: most words do not, and are not tried."""
 _BLANK = "\ufeff\x1a"
 """What joined or very old files leave behind: byte order marks and the end mark of DOS."""
 _PATTERN = re.compile(
     "|".join(
         (
             rf"(?:[\s{_BLANK}]++|//[^\n]*+)++",
-            rf"(?i:P\#(?:(?:DB[ \t]*+\d++\.)?[A-Z]{{1,3}}[ \t]*+)?\d++\.\d++{_COUNT})",
-            rf"[Pp]\#{{1,2}}(?:\"[^\"\n]*+\"|{_WORD})(?:\.{_WORD})*+",
-            _ADDRESS + r"(?!\w)(?::P(?!\w))?+",
-            _DATE,
+            r"[;,)\]]|:=",  # the most frequent ones, which begin nothing longer
+            rf"(?=(?i:[DPIEQAMTL]))(?:{_PREFIXED})",
             rf"{_WORD}(?:\#{_NO_KEYWORD}(?:{_TEXT}|{_BYTES}|[-+]?\w++(?:\#\w++)?+(?:\.[0-9]\w*+(?:(?<=[eE])[-+][0-9]++)?+)?+))?+",
             rf"\#(?:\"[^\"\n]*+\"|{_WORD})",
             r"\"[^\"\n]*+\"(?::P(?!\w))?+",
@@ -226,7 +233,7 @@ def tokenize(text: str, file: str) -> Tokens:
     source = text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
     memo = _Kinds()
     texts = _PATTERN.findall(source)
-    kinds = [memo[part] for part in texts]
+    kinds = list(map(memo.__getitem__, texts))
     if _NESTED in memo.values():
         texts = _split_with_nesting(source)
         kinds = [memo[part] for part in texts]
