@@ -22,7 +22,7 @@ def commands(text: str) -> list[str]:
 
 def test_it_is_read_in_five_minutes() -> None:
     """At most 900 words, code included; a sentence and the picture of the page come first, then how to install it."""
-    assert len(ENGLISH.split()) <= 900
+    assert len(_HIDDEN.sub("", ENGLISH).split()) <= 900
     lines = [line for line in ENGLISH.splitlines() if line]
     assert lines[0] == "# plcgen"
     assert lines[2].startswith("![")
