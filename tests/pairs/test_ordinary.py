@@ -126,6 +126,11 @@ SPECS: dict[str, dict[str, Any]] = {
         "jobs: {j: {drive: a, activate: input}}",
         device="sinamics-g150",
     ),
+    "flags of a project whose names have a prefix": spec(
+        f"{S1500}, prefix: Press04_",
+        FLOAT,
+        f"jobs: {{j: {{drive: a, {READ}, trigger: {{execute: M10.0, status: MW20}}}}}}",
+    ),
     "what is waited for follows an input whose limits are nobody's": spec(
         S1200, FLOAT, "jobs: {j: {drive: a, activate: input}}", device="./alike.yaml"
     ),

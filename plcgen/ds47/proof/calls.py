@@ -49,7 +49,7 @@ def _wrong(plan: DrivePlan, caller: DriveCaller, jobs: list[DriveJob], stated: S
     for unit in plan.channels(caller):
         yield from _channel(plan, unit, stated, calls.get(unit.member))
     for job in jobs:
-        yield from _job(job, stated, calls.get(job.member))
+        yield from _job(plan, job, stated, calls.get(job.member))
 
 
 def _channel(plan: DrivePlan, unit: PlannedUnit, stated: Stated, found: dict[str, str] | None) -> Iterator[str]:
@@ -70,7 +70,7 @@ def _channel(plan: DrivePlan, unit: PlannedUnit, stated: Stated, found: dict[str
     yield from _other(unit.member, wanted, found)
 
 
-def _job(job: DriveJob, stated: Stated, found: dict[str, str] | None) -> Iterator[str]:
+def _job(plan: DrivePlan, job: DriveJob, stated: Stated, found: dict[str, str] | None) -> Iterator[str]:
     if found is None:
         yield f"{job.member} is not called"
         return
@@ -94,7 +94,7 @@ def _job(job: DriveJob, stated: Stated, found: dict[str, str] | None) -> Iterato
         wanted |= {"requestDb": f'"{request.name}"', "responseDb": f'"{response.name}"'}
     control = f'"{job.caller.control.name}".'
     for signal, flag in job.trigger.items():
-        wanted[signal] = f'"{job.member}{signal}"' if isinstance(flag, Address) else flag.text()
+        wanted[signal] = f'"{plan.prefix}{job.member}{signal}"' if isinstance(flag, Address) else flag.text()
     for name, place in found.items():  # every other signal is that of the job
         if name not in wanted and place.startswith(control):
             wanted[name] = f"{control}{job.member}.{name}"
