@@ -25,6 +25,7 @@ from plcgen.s7.cpu.symbols import Symbols
 from plcgen.s7.cpu.system import moments
 from plcgen.s7.cpu.system.bus import Periphery
 from plcgen.s7.cpu.system.clock import SystemClock
+from plcgen.s7.cpu.system.control import control
 from plcgen.s7.cpu.system.interfaces import TIMERS, SystemFb
 from plcgen.s7.cpu.system.library import ROWS, Hooks
 from plcgen.s7.cpu.system.moves import AccessFaultError, MemoryMoves
@@ -37,6 +38,7 @@ from plcgen.s7.layout.layout import layout_block
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.types.errors import UnknownPathError
 from plcgen.s7.types.families import Family
+from plcgen.s7.types.system import CONTROL
 
 AREA_SIZE = 65536
 LOOP_LIMIT = 1_000_000
@@ -190,6 +192,8 @@ class Cpu:
             return serial
         if system.kind in TIMERS:
             return timer(system.kind, shape, self._clock)
+        if system.kind in CONTROL:
+            return control(system.kind, shape, self._clock)
         return edge(system, shape) if system.kind.endswith("_TRIG") else counter(system, shape)
 
     def _locate(self, area: str, number: int) -> Memory | None:

@@ -64,6 +64,20 @@ _SYMBOLS = {
     "CTU": "SFB0", "CTD": "SFB1", "CTUD": "SFB2", "TP": "SFB3", "TON": "SFB4", "TOF": "SFB5", "RALRM": "SFB54",
 }  # fmt: skip
 """Names that the standard library of STEP 7 V5 puts into the symbol table, besides RDREC and WRREC."""
+CONTROL = {
+    "LEAD_LAG": (
+        "IN REAL;SAMPLE_T INT", "OUT REAL;ERR_CODE WORD", "",
+        "LD_TIME REAL;LG_TIME REAL;GAIN REAL;PREV_IN REAL;PREV_OUT REAL",
+    ),
+    "DCAT": (
+        "CMD BOOL;O_FB BOOL;C_FB BOOL", "Q BOOL;OA BOOL;CA BOOL", "", "ET DINT;PT DINT;PREV_TIME DWORD;CMD_HIS BOOL",
+    ),
+    "MCAT": (
+        "O_CMD BOOL;C_CMD BOOL;S_CMD BOOL;O_FB BOOL;C_FB BOOL", "OO BOOL;CO BOOL;OA BOOL;CA BOOL;Q BOOL", "",
+        "ET DINT;PT DINT;PREV_TIME DWORD;O_HIS BOOL;C_HIS BOOL",
+    ),
+}  # fmt: skip
+"""Blocks that control with values in their instance; the offsets that the help names agree with these."""
 _EDGE = ("CLK BOOL", "Q BOOL", "", "STAT_BIT BOOL")
 _TCON = (
     "BLOCK_LENGTH WORD;ID WORD;CONNECTION_TYPE BYTE;ACTIVE_EST BOOL;LOCAL_DEVICE_ID BYTE;LOCAL_TSAP_ID_LEN BYTE;"
@@ -108,7 +122,7 @@ def system_block(name: str, *, classic: bool = False) -> Block | None:
     if upper in _CLASSIC_RECORD:
         return _block(BlockKind.FB, upper, _CLASSIC_RECORD[upper])
     number = _SYMBOLS.get(upper, upper) if classic or upper == "RALRM" else upper
-    sections = _CLASSIC.get(number) or _TIMERS.get(upper)
+    sections = _CLASSIC.get(number) or _TIMERS.get(upper) or CONTROL.get(upper)
     if sections is not None:
         return _block(BlockKind.FB, upper, sections, literature=True)
     if upper in {"R_TRIG", "F_TRIG"}:

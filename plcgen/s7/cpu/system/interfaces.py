@@ -10,7 +10,7 @@ from types import MappingProxyType
 from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.types.data_types import Member, NamedType, elementary
 from plcgen.s7.types.serial_blocks import serial_blocks
-from plcgen.s7.types.system import s7_1500_types, system_block
+from plcgen.s7.types.system import CONTROL, s7_1500_types, system_block
 
 _IN, _OUT, _STATIC = SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.STATIC
 
@@ -83,6 +83,10 @@ def system_fbs(*, classic: bool) -> Mapping[str, SystemFb]:
         block = _block(name, parts)
         kind = name.partition("_")[0] if name.startswith("CT") else name
         found[name] = SystemFb(kind, block, _parameters(block))
+    for name in CONTROL:
+        controlling = system_block(name)
+        if controlling is not None:
+            found[name] = SystemFb(name, controlling, _parameters(controlling))
     modern = s7_1500_types()
     for name in ("WRREC", "RDREC"):
         record = system_block(name) if classic else modern[name]
