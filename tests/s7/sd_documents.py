@@ -3,6 +3,24 @@
 from __future__ import annotations
 
 PAIRS = {
+    "data block that says nothing of itself": (
+        """\
+DATA_BLOCK Oven
+    VAR
+        heat : Bool;
+    END_VAR
+END_DATA_BLOCK
+""",
+        """\
+DATA_BLOCK "Oven"
+NON_RETAIN
+STRUCT
+  heat : Bool;
+END_STRUCT;
+BEGIN
+END_DATA_BLOCK
+""",
+    ),
     "data block": (
         """\
 {

@@ -28,6 +28,7 @@ from plcgen.s7.scl.declarations import circles, recursive_types
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.scl.grammar.documents import IEC_CHECK, is_document
 from plcgen.s7.scl.parser import ParseResult, parse
+from plcgen.s7.types.absent import OF_BLOCKS
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.types.data_types import NamedType
 
@@ -186,7 +187,7 @@ class Program:
             self.diagnostics += elsewhere
             key = block.name.upper()
             if is_document(result.tokens.file) and link.iec_check is IecCheck.AS_STATED:
-                checked = block.attributes.get(IEC_CHECK, "").upper() == "TRUE"  # left out where it is off
+                checked = block.attributes.get(IEC_CHECK, OF_BLOCKS[IEC_CHECK.upper()]).upper() == "TRUE"
                 link.stated.setdefault(key, checked)
             if key in self.link.blocks:
                 known, words = self.link.blocks[key], result.tokens.source[unit.start : unit.end].split()
