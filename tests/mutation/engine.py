@@ -16,12 +16,13 @@ FILES = ("DriveChannel", "DriveTicket", "DriveGate")
 ENGINE = "engine"
 """Key of a case that damages one of them."""
 _QUICK = (READ_ONE, TRIGGER, WRITE_ONE)
-_ORDER = ("units", "formats", "places", "faults", "restarts", "interrupts", "copies")
+_ORDER = ("units", "formats", "places", "faults", "restarts", "interrupts", "copies", "edges")
 
 
 def rank(piece: Piece) -> int:
     """What notices most in the least time comes first."""
-    return _QUICK.index(piece.errand) if piece.errand in _QUICK else len(_QUICK) + _ORDER.index(piece.group)
+    quick = piece.errand in _QUICK and piece.group == "faults"
+    return _QUICK.index(piece.errand) if quick else len(_QUICK) + _ORDER.index(piece.group)
 
 
 def first_failure(folder: Path, dialect: Dialect) -> Failure | None:
@@ -31,7 +32,8 @@ def first_failure(folder: Path, dialect: Dialect) -> Failure | None:
     work = EngineWork(engine)
     for index in sorted(range(len(work.pieces)), key=lambda number: rank(work.pieces[number])):
         piece = work.pieces[index]
-        result = run_faults(engine, piece.errand, most=1) if piece.errand is not None else work(index)
+        on_edge = piece.group == "edges"
+        result = run_faults(engine, piece.errand, 1, on_edge=on_edge) if piece.errand is not None else work(index)
         if result.failures:
             return result.failures[0]
     return None

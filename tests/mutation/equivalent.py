@@ -26,9 +26,6 @@ EQUIVALENT = {
     r"^DriveChannel: \d -> \d: tempSlot := LIMIT\(MN := 1, IN := DINT_TO_INT\(tempGrant / 1": (
         "the channel itself wrote a slot of the unit there"
     ),
-    r"^DriveChannel: AND -> OR: inst(Write|Read)\(REQ := ": (
-        "REQ is not looked at while a job of the instance runs; without one, both or none of them hold"
-    ),
     r"^DriveChannel: 1 -> 2: temp(Other)?Pointer.count := 1; ": "BLKMOV copies what the shorter area has: a byte",
     r"^DriveChannel: NOT -> nothing: statProbe := NOT tempProbe": (
         "only a copy that fails could leave it: every data block has the byte that is copied"
@@ -55,10 +52,7 @@ EQUIVALENT = {
     r"^DriveChannel: B#16#02 -> B#16#03: temp(Other)?Pointer\.id := ": (
         "CHAR has the size of BYTE; no document says what SFB 52 does with it (SFC 59 takes BYTE only)"
     ),
-    r"^DriveChannel: W#16#FFFF -> W#16#FFFE: tempWord :=": (
-        "it stays only if the answer is at fault, which makes every error FFFF at the end"
-    ),
-    r"^DriveChannel: (OR -> AND|\+ -> -): ELSIF tempFault OR tempFrom \+ 2 > statLength": (
+    r"^DriveChannel: (OR -> AND|\+ -> -): ELSIF NOT tempUnknown AND \(tempFault OR tempFrom \+ 2 > statLength": (
         "the place stays where the fault was, and behind the end of the answer the check of the size finds one"
     ),
     r"^DriveGate: 1 -> 2: tempUsed := tempUsed \+ 1; \(2\)$": "who would have a place now has it in the next call",
@@ -70,9 +64,6 @@ EQUIVALENT = {
     ),
     r"^\w+: (3 -> 4: tempSize := 3;|1 -> 2: tempSize := 1; \(3\)$)": (
         "a value of one or three bytes has a pad behind it: it is not the last one"
-    ),
-    r"^DriveChannel: dropped: statAsk := statAsk MOD 30000 \+ 1 \(2\)$": (
-        "a pause gives the place back; until the gate has taken it, it is this channel's under the old number, too"
     ),
     r"^\w+: 0 -> 1: FOR temp(Index|Byte) := 0 TO \d+ DO unit\.telegram\[temp(Index|Byte)\] :=": (
         "the first byte is the reference, which the channel puts there"
