@@ -90,7 +90,7 @@ class UseResolver:
                 spelling_hint(item.parameter),
             )
             return None
-        parameter = self._parameter(reference, item.type, path)
+        parameter = self._parameter(reference, item, path)
         if parameter is None or parameter.pnu in self.unusable:
             return None
         settled = self._format(parameter, path)
@@ -138,8 +138,9 @@ class UseResolver:
     def _elements(self, reference: Reference, values: int, *, write: bool) -> int:
         return self.device.scalar_elements[1 if write else 0] if reference.first is None else values
 
-    def _parameter(self, reference: Reference, given: str | None, path: SpecPath) -> Parameter | None:
+    def _parameter(self, reference: Reference, item: ReadItem | WriteItem, path: SpecPath) -> Parameter | None:
         place: SpecPath = (*path, "parameter")
+        given = item.type
         if reference.pnu is None:
             found = self._by_name.get(reference.name)
             if found is None:
@@ -158,10 +159,12 @@ class UseResolver:
                 return None
             # no number that looks like it is offered: the neighbour of a parameter is another parameter
             message = f"{written} is not in the catalogue of {self.device.key}: its data type is missing"
-            define = f"parameters: {{{written}: {{type: ..}}}}"
-            help_ = (
-                f"look it up in the list manual and give its type: {{type: ..}}; or define it in the drive: {define}"
-            )
+            own = "type: .."
+            if isinstance(item, WriteItem) and isinstance(item.value, str) and parse_bico(item.value) is not None:
+                own = "type: Unsigned32, bico: true"  # whatever its number: the value is a source
+            define = f"parameters: {{{written}: {{{own}}}}}"
+            short = own.partition(",")[0]
+            help_ = f"look it up in the list manual and give its type: {{{short}}}; or define it in the drive: {define}"
             self.problem("PG204", message, place, help_)
             return None
         if known is None:
