@@ -75,3 +75,17 @@ jobs: {look: {drive: a, read: [r899.2]}}
         "PG621",
         "PG641",
     }
+
+
+def test_a_simulated_run_shows_them(tmp_path: Path) -> None:
+    """The first value of a simulated S120 is 16 = 0010h: bit 4 alone is set, which the list calls so."""
+    spec = tmp_path / "job.yaml"
+    spec.write_text("""plc: {name: Plant, family: s7-1500, toolchain: tia-v19}
+drives: {a: {device: sinamics-s120, hardware_id: 270}}
+jobs: {look: {drive: a, read: [r899.4]}}
+""")
+    assert api.generate(spec, tmp_path / "out").ok
+    trace = api.simulate(spec, tmp_path / "out")
+    names = [signal.id for signal in trace.signals]
+    last = {names[at]: value for step in trace.steps for at, value in step.changes}
+    assert (last["look.p899"], last["look.noCoastingActive"]) == (16, True)
