@@ -9,7 +9,7 @@ from types import CodeType
 
 from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.s7.cpu.decisions import Decision
-from plcgen.s7.cpu.kinds import Kind
+from plcgen.s7.cpu.kinds import Kind, kind_of
 from plcgen.s7.cpu.type_rules import IecCheck, TypeRules
 from plcgen.s7.layout.shapes import Shape
 from plcgen.s7.scl import ast
@@ -157,6 +157,16 @@ class Linkage:
     """Tags of S5 timers and counters, and their numbers."""
     kinds: dict[Kind, int] = field(default_factory=dict)
     """Kinds of variables that are handed over as VARIANT or ``ARRAY[*]``, with their numbers in generated code."""
+
+    shown: dict[int, tuple[Shape, int]] = field(default_factory=dict)
+    """Shapes whose kind has a number already, by their identity: a large one may be handed over a thousand times."""
+
+    def kind(self, shape: Shape) -> int:
+        """Number of the kind of a variable."""
+        known = self.shown.get(id(shape))
+        if known is None:
+            known = self.shown[id(shape)] = shape, self.number(kind_of(shape))
+        return known[1]
 
     def number(self, kind: Kind) -> int:
         """Number of a kind in generated code."""

@@ -13,7 +13,7 @@ from plcgen.s7.cpu.compiler.expressions import Expressions
 from plcgen.s7.cpu.compiler.places import Places
 from plcgen.s7.cpu.compiler.scope import is_open, scalar_name
 from plcgen.s7.cpu.compiler.values import UNKNOWN, MemoryPlace, Val, unknown
-from plcgen.s7.cpu.kinds import Kind, kind_of
+from plcgen.s7.cpu.kinds import Kind
 from plcgen.s7.cpu.memory import CODECS
 from plcgen.s7.cpu.type_rules import POINTERS, TEXTS
 from plcgen.s7.layout.shapes import Shape
@@ -54,7 +54,7 @@ class References:
 
     def kind(self, shape: Shape) -> str:
         """Code of the kind of a variable."""
-        return f"K[{self.context.link.number(kind_of(shape))}]"
+        return f"K[{self.context.link.kind(shape)}]"
 
     def reference(self, node: ast.Expression, *, typed: bool = False) -> str:
         """Code of a reference to a variable, for ANY, VARIANT and structured parameters."""
