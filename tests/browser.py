@@ -29,6 +29,7 @@ _KEYS = {
     "Backspace": 8,
     "ArrowDown": 40,
     "ArrowUp": 38,
+    "F2": 113,
     "F8": 119,
     "Home": 36,
     "End": 35,

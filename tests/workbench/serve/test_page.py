@@ -69,7 +69,7 @@ def test_a_mistake_is_seen_explained_and_corrected(browser: Page) -> None:
     browser.type("\n  fan: {devce: sinamics-g120, hardware_id: 271}")
     browser.sees("#problems .error", 'unknown key "devce"')
     browser.wait("!!document.querySelector('.cm-lintRange-error')")
-    browser.click("#problems .fix", "device")
+    browser.click("#problems .fix", 'replace it with "device"')
     browser.wait("!document.querySelector('#problems .error')")
     assert "fan: {device: sinamics-g120" in text(browser)
     browser.click(".cm-line", "fan:")
@@ -88,6 +88,21 @@ def test_completion_and_hover(browser: Page) -> None:
     browser.press("Escape")
     browser.point(".cm-line span", "P1120")
     browser.sees(".card", "ramp-up")
+
+
+@needs_editor
+def test_a_drive_is_renamed_wherever_it_is_named(browser: Page) -> None:
+    """F2 on its key: all jobs follow, and the spec stays without errors."""
+    browser.click(".cm-line", "  pump:")
+    browser.press("Home")
+    browser.press("F2")
+    browser.fill("#new-name", "feeder")
+    browser.press("Enter")
+    browser.wait("!document.querySelector('#dialog').open")
+    assert text(browser).count("drive: feeder") == 3
+    assert "drive: pump" not in text(browser)
+    browser.sees("#jobs", "feeder")
+    assert browser.evaluate("document.querySelector('#problems .error')") is None
 
 
 @needs_editor

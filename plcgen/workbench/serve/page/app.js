@@ -153,6 +153,23 @@ function newSpec() {
   dialog.showModal();
 }
 
+// A job, a drive: its new name goes wherever it is named.
+function rename() {
+  const place = desk.editor.place, dialog = $("#dialog");
+  const name = h("input", { id: "new-name", required: true, size: 24 });
+  const go = async (event) => {
+    event.preventDefault();
+    const found = await attempt(() => ask("rename", { ...desk.now, ...place, word: name.value.trim() }));
+    if (!found) return;
+    dialog.close();
+    desk.editor.apply(found.edits);
+  };
+  fill(dialog, h("h2", {}, word("rename")), h("form", { onsubmit: go }, field(word("name"), name),
+    h("div", { class: "buttons" }, h("button", { class: "main", type: "submit" }, word("rename")),
+      h("button", { type: "button", onclick: () => dialog.close() }, word("cancel")))));
+  dialog.showModal();
+}
+
 function free() {
   let number = 1;
   while (desk.folder.specs.includes(number === 1 ? "job.yaml" : `job${number}.yaml`)) number += 1;
@@ -180,6 +197,9 @@ function keys(event) {
   } else if (event.altKey && /^[1-9]$/.test(event.key) && tabs[Number(event.key) - 1]) {
     event.preventDefault();
     show(Number(event.key) - 1);
+  } else if (event.key === "F2" && tabs[current].key === "spec" && desk.name) {
+    event.preventDefault();
+    rename();
   } else if (event.key === "F8" && desk.checked?.findings.length) {
     event.preventDefault();
     desk.next = ((desk.next ?? -1) + (event.shiftKey ? desk.checked.findings.length - 1 : 1)) % desk.checked.findings.length;

@@ -30,6 +30,10 @@ class Field {
     this.change(text);
   }
   problems() {}
+  get place() {
+    const before = this.text.slice(0, this.area.selectionStart).split("\n");
+    return { line: before.length - 1, character: before.at(-1).length };
+  }
   go(line, character = 0) {
     const lines = this.text.split("\n");
     const place = lines.slice(0, line).reduce((sum, one) => sum + one.length + 1, 0) + character;
@@ -100,6 +104,7 @@ class Code {
     this.view.focus();
   }
   measure() { this.view.requestMeasure(); }
+  get place() { return this.caret(this.view.state.selection.main.head); }
   caret(position) {
     const line = this.view.state.doc.lineAt(position);
     return { line: line.number - 1, character: position - line.from };

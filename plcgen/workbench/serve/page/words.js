@@ -11,6 +11,7 @@ const WORDS = {
   tabSpec: ["Spec", "Spec"], tabBecomes: ["What it becomes", "Was daraus wird"], tabRun: ["Run", "Lauf"],
   tabVerify: ["Verify", "Prüfen"], tabReview: ["Review", "Review"], tabTools: ["Tools", "Werkzeuge"],
   problems: ["Problems", "Probleme"], noProblems: ["No problems", "Keine Probleme"], checking: ["checking…", "wird geprüft…"],
+  rename: ["Rename", "Umbenennen"],
   fix: ["Fix", "Beheben"], why: ["Why", "Warum"], remedy: ["Remedy", "Abhilfe"],
   drives: ["Drives", "Antriebe"], jobs: ["Jobs", "Aufträge"], addDrive: ["Add drive", "Antrieb hinzufügen"],
   addJob: ["Add job", "Auftrag hinzufügen"], name: ["Name", "Name"], device: ["Device", "Gerät"],
