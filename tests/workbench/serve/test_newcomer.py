@@ -80,6 +80,7 @@ def begin(browser: Page, device: str, family: str, toolchain: str) -> None:
 def finish(browser: Page) -> None:
     """Write the files, verify those on disk."""
     browser.wait("!document.querySelector('#problems .error') && !document.querySelector('#write').disabled")
+    browser.evaluate("document.querySelector('#notices').replaceChildren()")
     browser.click("#write")
     browser.click("#write-now")
     browser.sees("#notices", "written")

@@ -82,8 +82,8 @@ export function runTab(desk) {
       const last = found.results.find((one) => one.job === job.key);
       const on = state.series.get(`${job.key}.execute`)?.at(-1)?.[1] === true;
       return h("div", { class: "row job" }, h("button", {
-        "aria-pressed": on ? "true" : "false", title: job.execute, "data-job": job.key, onclick: () => put(`${job.execute.replace(/"/g, "")}=${on ? "FALSE" : "TRUE"}`),
-      }, word("execute")), h("b", {}, job.key), h("small", { class: last?.ending === "error" ? "bad" : "" }, last && last.ending !== "not_started" ? `${last.ending} ${last.status}` : ""));
+        "aria-pressed": on ? "true" : "false", title: job.execute, "aria-label": `execute ${job.key}`, "data-job": job.key, onclick: () => put(`${job.execute.replace(/"/g, "")}=${on ? "FALSE" : "TRUE"}`),
+      }, on ? "\u25a0" : "\u25b6"), h("b", {}, job.key), h("small", { class: last?.ending === "error" ? "bad" : "" }, last && last.ending !== "not_started" ? `${last.ending} ${last.status}` : ""));
     }));
   }
 
@@ -159,7 +159,7 @@ export function runTab(desk) {
     content: h("div", { class: "stack" },
       h("div", { class: "bar views" }, field(word("source"), origin), field("ms", time), load, run, step, ten, where),
       h("div", { class: "running" },
-        h("div", { class: "side" }, h("h3", {}, word("jobs")), jobs,
+        h("div", { class: "side" }, h("h3", {}, word("jobs"), h("small", {}, " execute")), jobs,
           h("form", { class: "one", onsubmit: send(setting, "put") }, setting, h("button", {}, word("set"))), members,
           h("form", { class: "one", onsubmit: send(fault, "strike") }, fault, h("button", {}, word("inject"))), faults,
           h("h3", {}, word("driveValues")), partners),

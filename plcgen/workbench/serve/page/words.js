@@ -42,7 +42,7 @@ const WORDS = {
   running: ["running", "läuft"], check: ["Check", "Prüfung"], result: ["Result", "Ergebnis"], subject: ["Subject", "Gegenstand"],
   openRun: ["Open run", "Lauf öffnen"], cancelled: ["cancelled", "abgebrochen"], ledger: ["What the result rests on", "Worauf das Ergebnis beruht"],
   load: ["Load program", "Programm laden"], run: ["Run", "Lauf"], pause: ["Pause", "Pause"], step: ["Step", "Schritt"], restart: ["Restart", "Neustart"],
-  scan: ["scan", "Zyklus"], set: ["Set", "Setzen"], fault: ["Fault", "Fehler"], inject: ["Inject", "Einspeisen"], execute: ["execute", "execute"],
+  scan: ["scan", "Zyklus"], set: ["Set", "Setzen"], fault: ["Fault", "Fehler"], inject: ["Inject", "Einspeisen"],
   inputs: ["Inputs", "Eingänge"], driveValues: ["Values of drives and stations", "Werte von Antrieben und Stationen"], lanes: ["Lanes", "Spuren"],
   exchanges: ["Telegrams on the wire", "Telegramme auf der Leitung"], noExchange: ["nothing yet", "noch nichts"],
   against: ["Compare with (git revision, folder or spec; empty: none)", "Vergleichen mit (Git-Revision, Ordner oder Spec; leer: nichts)"],
