@@ -337,8 +337,9 @@ class Desk:
 
     def review(self, asked: Against) -> dict[str, Any]:
         """Begin to make the page of a review."""
-        path = self._saved(asked)
-        folder, base = self._files(asked, path), self._base(asked.base)
+        path, base = self._saved(asked), self._base(asked.base)
+        revision = bool(base) and base == asked.base  # git knows the folder on disk alone
+        folder = api.default_folder(path) if revision else self._files(asked, path)
         return self.worker.start(lambda progress: self._kept(proving.reviewed(path, folder, base, progress)))
 
     def _kept(self, found: dict[str, Any]) -> dict[str, Any]:
