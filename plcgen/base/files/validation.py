@@ -252,6 +252,7 @@ def _below(part: Any, step: str | int) -> Iterator[Any]:
         yield get_args(part)[0]
 
 
+_TIME = re.compile(r"[0-9]+\s*(ms|s|min|h)")
 _SHOULD = re.compile(r"\A[a-z]+ should (be|have)")
 _RANGE_ERRORS = (
     "greater_than", "less_than", "too_short", "too_long", "value_error",
@@ -332,7 +333,8 @@ class _Teller:
         code = "PG107" if error["type"].startswith(_RANGE_ERRORS) else "PG106"
         message = str(error["msg"]).removeprefix("Value error, ")
         message, counted, _ = f"{message[0].lower()}{message[1:]}".partition(" after validation")
-        message = _SHOULD.sub(r"must \1", message) + ("" if counted else f", not {_shown(node)}")
+        unit = " ms" if _TIME.fullmatch(str(node.value)) and message[-1].isdigit() else ""  # times are bounded in ms
+        message = _SHOULD.sub(r"must \1", message) + unit + ("" if counted else f", not {_shown(node)}")
         return Diagnostic(code, f'"{self.key(path)}": {message}', node.span)
 
     def where(self, path: Path) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from plcgen.ds47.proof.cycles import AGE, Repeats, oldest_valid
-from plcgen.ds47.proof.rig import JobRig
+from plcgen.ds47.proof.rig import WAIT_LIMIT_MS, JobRig
 from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.proof.runner import Run
 from plcgen.proof.scenario import IDLE, ScenarioError
@@ -110,6 +110,7 @@ class Repetition:
         left = max(self.begun + cycle, rig.cpu.clock) + taken
         last = max(self.begun + 2 * cycle, rig.cpu.clock)
         rig.take()
+        rig.channel.set("waitLimit", WAIT_LIMIT_MS)  # one call may take longer than the short limit
         while rig.cpu.clock < left and not self.run.seen[0]:
             calls += 1
             self.call(length=SCAN_MS if calls <= TURN else 0)

@@ -147,3 +147,30 @@ jobs: {watch: {drive: a, read: [r21], cycle: 1s}}
     found = api.verify(spec, tmp_path / "out", faults="quick")
     codes = {one.code for one in found.problems}
     assert codes & {"PG614", "PG621", "PG641"}
+
+
+PUMP = """
+plc: {name: P, family: s7-1200, toolchain: tia-v18}
+drives: {pump: {device: sinamics-g120, hardware_id: 270}}
+jobs: {watch: {drive: pump, read: [r21], cycle: 1s}}
+"""
+
+
+@pytest.mark.slow
+def test_the_longest_cycle(tmp_path: Path) -> None:
+    """An hour: the clock of a block on the S7-1200/1500 starts over in it, and a call of the proof may take 1 s."""
+    spec = tmp_path / "s.yaml"
+    spec.write_text(PUMP.replace("1s", "1h"), "utf-8")
+    assert api.generate(spec, tmp_path / "out").ok
+    assert api.verify(spec, tmp_path / "out").problems == ()
+
+
+@pytest.mark.parametrize(
+    ("cycle", "bound"), [("50ms", "greater than or equal to 100 ms"), ("30h", "less than or equal to 3600000 ms")]
+)
+def test_bounds_of_a_time_have_its_unit(cycle: str, bound: str, tmp_path: Path) -> None:
+    """They are in ms, whatever unit the spec has."""
+    spec = tmp_path / "s.yaml"
+    spec.write_text(PUMP.replace("1s", cycle), "utf-8")
+    (found,) = api.check(spec).diagnostics
+    assert (found.code, found.message) == ("PG107", f'"cycle": must be {bound}, not "{cycle}"')
