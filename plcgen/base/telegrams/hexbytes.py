@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from plcgen.base.diagnostics import Diagnostic, Span
+from plcgen.base.diagnostics import Diagnostic, PlcgenError, Span
 from plcgen.base.diagnostics.counting import quantity
 
 MAX_BYTES = 64 * 1024
@@ -19,7 +19,7 @@ _TOKEN = re.compile(
 _SIZES = {"B": 1, "BYTE": 1, "W": 2, "WORD": 2, "DW": 4, "DWORD": 4, "L": 8, "LWORD": 8}
 
 
-class HexError(ValueError):
+class HexError(PlcgenError, ValueError):
     """Text that is no bytes: column (from 0), length of the piece, why."""
 
     def __init__(self, column: int, length: int, reason: str) -> None:
