@@ -51,10 +51,7 @@ TYPES: Mapping[str, tuple[int, str]] = {
     "C4": (0x7A, "i"),
     "X2": (0x7B, "h"),
     "X4": (0x7C, "i"),
-    "Byte": (0x41, "B"),
-    "Word": (0x42, "H"),
-    "DoubleWord": (0x43, "I"),
-}
+} | {"Byte": (0x41, "B"), "Word": (0x42, "H"), "DoubleWord": (0x43, "I")}
 # "Bytes, words and double words are also possible as a substitute" for types of that many bytes.
 SUBSTITUTES: Mapping[int, int] = {1: 0x41, 2: 0x42, 4: 0x43}
 ZERO, ERROR = 0x40, 0x44

@@ -19,6 +19,7 @@ from plcgen.ds47.device import Device, Parameter
 from plcgen.ds47.plan.nouns import DrivePlan
 from plcgen.ds47.profile import (
     Answers,
+    Changes,
     DeviceProfile,
     DriveObjects,
     ParameterEntry,
@@ -439,6 +440,7 @@ def test_every_key_is_on_the_page() -> None:
         ProfileList,
         ProfileLimits,
         Answers,
+        Changes,
         ScalarElements,
         ParameterEntry,
     )
