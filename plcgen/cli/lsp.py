@@ -10,7 +10,7 @@ import click
 from plcgen.cli.options import verb
 from plcgen.cli.output import OK, is_terminal
 
-INSTALL = 'pip install "plcgen[lsp]"'
+INSTALL = "pip install pygls (with pipx: pipx inject plcgen pygls)"
 
 
 @verb("lsp", "plcgen lsp                      what an editor starts; plcgen docs editors says how")

@@ -10,7 +10,7 @@ import click
 from plcgen.cli.options import PATH, console, verb
 from plcgen.cli.output import OK
 
-INSTALL = 'pip install "plcgen[serve]"'
+INSTALL = "pip install starlette uvicorn (with pipx: pipx inject plcgen starlette uvicorn)"
 
 
 @verb("serve", "plcgen serve", "plcgen serve machines/", "plcgen serve --port 8400 --no-browser")

@@ -50,9 +50,12 @@ def delivered(project: Project, folder: Folder) -> tuple[Check, ...]:
 def _manifest(project: Project, folder: Folder) -> Iterator[Check]:
     known, problems = listed_files(folder.path)
     problems += inventory(project, folder.path, known)
-    stale = spec_of(folder.path) not in {None, project.loaded.digest}
-    text = f"{len(known)} files{', made from another state of the spec: run plcgen generate' * stale}"
-    yield _check("files.manifest", "files", text, problems, "complete, unchanged, nothing else")
+    if spec_of(folder.path) not in {None, project.loaded.digest}:
+        # in front of all that follows from it; it need not make a difference, as with another comment in the spec
+        message = "these files were made from another state of the spec"
+        place = Span(str(folder.path))
+        problems.insert(0, Diagnostic("PG504", message, place, Severity.WARNING, help="run plcgen generate"))
+    yield _check("files.manifest", "files", f"{len(known)} files", problems, "complete, unchanged, nothing else")
     owned = owned_files(project, folder.path, known)
     if owned:
         yield Check("files.owned", "yours", ", ".join(owned), Outcome.OK, "not as generated: user_owned")

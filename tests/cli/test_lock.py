@@ -73,3 +73,38 @@ def test_a_repository_without_a_lock(plcgen):
     assert result.code == 1
     assert "there is no layout lock yet" in result.err
     assert "plcgen lock FOLDER --out plcgen.lock.json" in " ".join(result.err.split())
+
+
+SPEC = """
+plc: {name: Press, family: s7-1500, toolchain: tia-v19}
+drives: {axis: {device: sinamics-s120, hardware_id: 281, drive_object: 3}}
+jobs:
+  actual: {drive: axis, read: [r21, r27]}
+  ramps: {drive: axis, write: {P1120: 6.0}}
+"""
+
+
+def test_a_lock_of_a_spec_tells_what_has_changed_alone(plcgen):
+    """Nothing of the same spec, also by diff; of another value its sentence, and none of the other job."""
+    Path("press.yaml").write_text(SPEC, "utf-8")
+    assert plcgen("lock", "press.yaml").code == 0
+    assert plcgen("lock", "--check").code == 0
+    assert "no semantic differences" in plcgen("diff", "plcgen.lock.json", "press.yaml").out
+    Path("press.yaml").write_text(SPEC.replace("6.0", "7.0"), "utf-8")
+    for words in (("lock", "--check", "--fail-on", "any"), ("diff", "plcgen.lock.json", "press.yaml")):
+        out = plcgen(*words).out
+        assert "ramps: P1120 6.0 -> 7.0" in out
+        assert "actual" not in out
+
+
+def test_a_lock_without_what_jobs_do(plcgen):
+    """One that was written before locks had it: nothing is told to be new."""
+    Path("press.yaml").write_text(SPEC, "utf-8")
+    assert plcgen("lock", "press.yaml").code == 0
+    lock = json.loads(Path("plcgen.lock.json").read_text("utf-8"))
+    for job in lock["jobs"]:
+        for key in ("items", "group", "block", "place"):
+            del job[key]
+    Path("plcgen.lock.json").write_text(json.dumps(lock), "utf-8")
+    result = plcgen("lock", "--check", "--fail-on", "any")
+    assert (result.code, "added" in result.out) == (0, False)

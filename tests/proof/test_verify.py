@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
+from plcgen.base.diagnostics import Severity
 from plcgen.ds47.plan.nouns import DrivePlan
 from plcgen.ds47.proof import exchanges
 from plcgen.ds47.sim.bench import build_drive
@@ -352,5 +353,6 @@ def test_the_folder_of_another_state_of_the_spec(tmp_path: Path, old: str, new: 
     assert not result.ok
     failed = {check.id for check in result.checks() if check.outcome is Outcome.ERROR}
     assert "together" in failed
-    text = next(check.text for check in result.checks() if check.id == "files.manifest")
-    assert "another state of the spec: run plcgen generate" in text
+    first = result.problems[0]
+    assert (first.code, first.severity, first.help) == ("PG504", Severity.WARNING, "run plcgen generate")
+    assert all(one.span.column for one in result.problems if one.span.line)

@@ -33,7 +33,7 @@ async function start() {
   try {
     await client.start();
   } catch (problem) {
-    const told = `plcgen does not start (${problem.message}): pip install "plcgen[lsp]", or set plcgen.command`;
+    const told = `plcgen does not start (${problem.message}): pip install pygls, or set plcgen.command`;
     vscode.window.showErrorMessage(told);
   }
 }

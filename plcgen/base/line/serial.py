@@ -21,7 +21,10 @@ class SerialLine:
             import serial
         except ImportError as problem:
             raise LineError(
-                MISSING_PACKAGE, port, "serial ports need the package pyserial", 'pip install "plcgen[serial]"'
+                MISSING_PACKAGE,
+                port,
+                "serial ports need the package pyserial",
+                "pip install pyserial (with pipx: pipx inject plcgen pyserial)",
             ) from problem
         self._failures: tuple[type[Exception], ...] = (
             *_terminal_errors(),

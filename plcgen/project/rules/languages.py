@@ -55,5 +55,5 @@ def comment_languages(project: Project) -> Iterator[Diagnostic]:
 
 
 def _tag_help(tag: str) -> str:
-    hint = did_you_mean(tag, _COMMON)
+    hint = next((f'write "{one}":' for one in _COMMON if one.startswith(f"{tag}-")), did_you_mean(tag, _COMMON))
     return f"{hint} a tag is a language and a country, for example en-US, de-DE or zh-CN".strip()

@@ -105,4 +105,4 @@ def _files(project: Project, folder: Folder, stated: Sequence[Wording]) -> Itera
             encoding = "cp1252" if name.endswith(".sdf") else "utf-8-sig"
             text = read_bounded(path, MAX_BYTES).decode(encoding, "replace").replace("\r\n", "\n")
             said = chain(look(text), broken_tables(text) if name.endswith(".md") else ())
-            yield from (Diagnostic("PG614", what, Span(str(path), line)) for line, what in said)
+            yield from (Diagnostic("PG614", what, Span(str(path), line, 1)) for line, what in said)

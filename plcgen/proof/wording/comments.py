@@ -108,7 +108,7 @@ def _assigned(block: Block, folder: Folder, stated: Wording, *, english: bool) -
             continue
         texts = stated.assigned(block, found["path"].replace('"', ""))
         if texts is not None and not agrees(found["text"] or "", texts, english=english):
-            place = Span(block.span.file, number)
+            place = Span(block.span.file, number, 1)
             yield _wrong(block, f'{found["path"]} says "{found["text"] or ""}"', texts, place)
 
 

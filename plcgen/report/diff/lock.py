@@ -106,7 +106,8 @@ def _is_earlier(problems: Sequence[Diagnostic]) -> bool:
 def _locked_sources(path: Path) -> list[Path]:
     if not path.is_file():
         message = "nothing to lock: name files, a folder or a spec"
-        raise DiagnosticError([Diagnostic("PG632", message, Span(str(path)), help="plcgen lock plc")])
+        help_ = "plcgen lock job_generated, or plcgen lock job.yaml"
+        raise DiagnosticError([Diagnostic("PG632", message, Span(str(path)), help=help_)])
     return _inside(read_lock(path).sources, path)
 
 

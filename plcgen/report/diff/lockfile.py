@@ -26,6 +26,7 @@ from plcgen.s7.compare.model import (
     TAG_TABLE,
     BlockState,
     DriveState,
+    JobItem,
     JobState,
     MemberState,
     Snapshot,
@@ -50,6 +51,8 @@ _NO_MEMORY = frozenset({"FC", "OB", TAG_TABLE})
 
 def reduced(snapshot: Snapshot) -> Snapshot:
     """Return what a lock keeps of a state: no comments, no code but its hash, no members of other types."""
+    if not snapshot.complete:
+        return snapshot  # that of a lock: a hash of its hashes would be another one
     blocks = [_reduced(block) for block in snapshot.blocks]
     return Snapshot(snapshot.label, blocks, snapshot.jobs, snapshot.drives, snapshot.diagnostics, complete=False)
 
@@ -131,9 +134,10 @@ def _job(job: JobState) -> dict[str, object]:
          "buffer": one.buffer, "protocol": one.protocol}
         for one in job.telegrams
     ]  # fmt: skip
-    return {"key": job.key, "drive": job.drive, "timing": dict(job.timing), "trigger": dict(job.trigger)} | {
-        "telegrams": telegrams
-    }
+    return {
+        "key": job.key, "drive": job.drive, "group": job.group, "block": job.block, "place": job.place,
+        "items": job.items, "timing": dict(job.timing), "trigger": dict(job.trigger), "telegrams": telegrams,
+    }  # fmt: skip
 
 
 def content_hash(block: BlockState) -> str:
@@ -220,6 +224,10 @@ class _Telegram(StrictModel):
 class _Job(StrictModel):
     key: Stored
     drive: Stored
+    group: Stored = ""
+    block: Stored = ""
+    place: tuple[Stored, Stored] = ("", "")
+    items: tuple[tuple[Stored, Stored, Stored], ...] = ()
     timing: Texts = _None
     trigger: Texts = _None
     telegrams: tuple[_Telegram, ...] = ()
@@ -346,8 +354,9 @@ class _Reader:
             TelegramState(bytes.fromhex(t.request), t.positive, t.negative, t.buffer, t.protocol) for t in job.telegrams
         )
         return JobState(
-            job.key, job.drive, telegrams, tuple(job.timing.items()), tuple(job.trigger.items()), next(self.places)
-        )
+            job.key, job.drive, telegrams, tuple(job.timing.items()), tuple(job.trigger.items()), next(self.places),
+            job.group, tuple(JobItem(*item) for item in job.items), job.place, job.block,
+        )  # fmt: skip
 
     def block(self, given: _Block, *, twice: bool) -> BlockState:
         span = next(self.places)

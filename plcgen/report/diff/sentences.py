@@ -114,7 +114,7 @@ def _places(block: BlockState | None, member: str) -> dict[str, str]:
 
 def _parts(old: JobState, new: JobState) -> Iterator[str]:
     """What is different about one job."""
-    told = list(_items(old.items, new.items))
+    told = list(_items(old.items, new.items)) if old.block and new.block else []
     yield from told[:MOST_ITEMS]
     if len(told) > MOST_ITEMS:
         yield f"{len(told) - MOST_ITEMS} more parameters"

@@ -118,7 +118,7 @@ class JobState:
     """One job of a spec; ``timing`` and ``trigger`` are names with their values as text.
 
     ``group`` is what jobs of several drives have in common, ``items`` what they do, ``place`` the data block and the
-    member in which the caller finds the job, ``block`` its function block. A lock keeps none of these.
+    member in which the caller finds the job, ``block`` its function block: empty in a lock that was written without.
     """
 
     key: str

@@ -160,7 +160,7 @@ def test_a_serial_port_without_pyserial_says_what_to_install(monkeypatch: pytest
     with pytest.raises(LineError) as caught:
         open_line("/dev/ttyUSB0")
     assert caught.value.diagnostics[0].code == "PG723"
-    assert "plcgen[serial]" in caught.value.diagnostics[0].help
+    assert "pip install pyserial" in caught.value.diagnostics[0].help
 
 
 def test_tcp_connections_are_served_one_after_the_other() -> None:
