@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from plcgen.ds47.proof.clock_input import Times
 from plcgen.ds47.proof.contents import held, written
-from plcgen.ds47.proof.cycles import SLOW, Repeats
+from plcgen.ds47.proof.cycles import SLOW, Repeats, slow_scan
 from plcgen.ds47.proof.end import check_end, check_errors, check_refused
 from plcgen.ds47.proof.message_lists import Messages, fill
 from plcgen.ds47.proof.pace import Pace
@@ -176,7 +176,7 @@ class JobConduct:
         if steps.still and steps.still == self.steps.handed and self.rig.unit.get("state") == HOLD:
             return min(STILL_MS, self.rig.job.timeout // 2)
         if run.scenario.of(Repeats).slow and run.scans in SLOW:
-            return max(1, self.rig.job.cycle // 2)
+            return slow_scan(self.rig.job)
         if run.scenario.meddle and run.scans > 1:
             self.rig.meddle()
         if steps.robbed and steps.robbed == self.steps.handed and self.rig.answered:

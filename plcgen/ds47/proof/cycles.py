@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from plcgen.ds47.plan.nouns import DriveJob
+from plcgen.ds47.proof.words import STEP_MS
 from plcgen.proof.rig import Members
 
 AGE = ("valid", "age")
@@ -28,7 +29,7 @@ class Repeats:
     ``taken``: from the end on another job has the unit for so many ms. ``away``: the drive is not there for the next
     runs, until the values are too old, and comes back. ``given_up``: another instance has asked in vain and is not
     called any more. ``stopped``: execute falls, and for two cycles nothing happens. ``slow``: the run itself takes
-    longer than a cycle, as ``SLOW`` scans of half a cycle each are in it.
+    longer than a cycle, as ``SLOW`` scans of half a cycle each are in it, or a whole one.
     """
 
     goes_on: bool = False
@@ -37,6 +38,16 @@ class Repeats:
     given_up: bool = False
     slow: bool = False
     stopped: bool = False
+
+
+def outlasts(job: DriveJob) -> bool:
+    """Whether a run of a job can take longer than ``SLOW`` scans: of each of them its timeout counts a part at most."""
+    return job.timeout > (len(SLOW) + 1) * STEP_MS
+
+
+def slow_scan(job: DriveJob) -> int:
+    """Length of each of the ``SLOW`` scans in ms; where the first ends the run, the cycle is over in it."""
+    return max(1, job.cycle // 2 if outlasts(job) else job.cycle)
 
 
 def cycle_signals(job: DriveJob) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from plcgen.ds47.proof.cycles import AGE, Repeats, oldest_valid
+from plcgen.ds47.proof.cycles import AGE, SLOW, Repeats, oldest_valid, slow_scan
 from plcgen.ds47.proof.rig import WAIT_LIMIT_MS, JobRig
 from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.proof.runner import Run
@@ -67,7 +67,7 @@ class Repetition:
 
     def lost(self) -> int:
         """Time in ms that may not have counted since the last good start."""
-        slow = LOST_CALLS * self.rig.job.cycle if self.run.scenario.of(Repeats).slow else 0
+        slow = len(SLOW) * slow_scan(self.rig.job) if self.run.scenario.of(Repeats).slow else 0
         return self.length * LOST_CALLS * (1 + (self.rig.cpu.clock - self.good) // HOUR_MS) + slow
 
     def calls(self) -> Iterator[int]:

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from plcgen.ds47.plan.nouns import DriveJob
-from plcgen.ds47.proof.cycles import SLOW, Repeats
+from plcgen.ds47.proof.cycles import Repeats, outlasts
 from plcgen.ds47.proof.scenario import DriveScenario, KindScenarios
-from plcgen.ds47.proof.words import DONE, STEP_MS, WORDS
+from plcgen.ds47.proof.words import DONE, WORDS
 
 
 def repeating(job: DriveJob, _: int) -> Iterator[DriveScenario]:
@@ -24,13 +24,13 @@ def repeating(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     ):
         yield DriveScenario(name=name, scan=scan, parts=(repeats,), follow=False)
     slow = Repeats(goes_on=True, slow=True)
-    enough = job.timeout > (len(SLOW) + 1) * STEP_MS  # more than that does not count of a scan
+    enough = outlasts(job)
     if enough:
         yield DriveScenario(name="a run takes longer than a cycle", busy=(20, 1), parts=(slow,), follow=False)
     yield DriveScenario(
         name="execute rises after a run that takes longer than a cycle",
         busy=(20, 1),
-        status=(DONE,) if enough else (DONE, WORDS["TIMEOUT"], WORDS["NO_PLACE"]),
+        status=(DONE,) if enough else (DONE, WORDS["TIMEOUT"], WORDS["DRAIN_TIMEOUT"], WORDS["NO_PLACE"]),
         happens={2: "drop"},
         at_once=enough,
         checked=False,

@@ -30,19 +30,19 @@ class Watch:
     good: int = 0
     """When the last run that ended well began."""
     wrong: str = ""
-    _busy: bool = False
+    busy: bool = False
 
     def look(self) -> None:
         """Behind a scan."""
         rig, job = self.scene.rig, self.scene.job
         busy, done = (bool(rig.signal(job, name)) for name in ("busy", "done"))
-        if busy and not self._busy:
+        if busy and not self.busy:
             self.begun.append(rig.cpu.clock)
-        if self._busy and not busy:
+        if self.busy and not busy:
             self.took.append(rig.cpu.clock - self.begun[-1])
-        if self._busy and done:
+        if self.busy and done:
             self.good = self.begun[-1]
-        self._busy = busy
+        self.busy = busy
         age, valid = rig.signal(job, "age"), bool(rig.signal(job, "valid"))
         if not self.good:
             self.note(not valid, "valid is TRUE before anything was read")
@@ -95,5 +95,6 @@ def repeated(scene: Scene) -> StatedRun:
         scene.demand(job.place, "an age of the values", watch.wrong, good=not watch.wrong)
 
     run = scene.run(ends)
-    run.course, run.over, run.idle = None, over, lambda: length
+    # long scans pass the time between the runs; in a run they would use up its timeout
+    run.course, run.over, run.idle = None, over, lambda: SCAN if watch.busy else length
     return run
