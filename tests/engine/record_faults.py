@@ -97,6 +97,17 @@ def _status_always(errand: Errand) -> Iterator[EngineScenario]:
             calls=(times, -1),
             took=(2000, 2700),
         )
+    # no pause is longer than that of the job: 0 + 20 ms, then 30 ms, of which ten more reach 10 x 30 ms
+    yield EngineScenario(
+        name="WRREC always ends with DF80B500, pauses of 30 ms",
+        status=(WORDS["RETRIES"],),
+        writes={0: WRITE | 0xB500},
+        pause=30,
+        retries=RETRIES + 2,
+        telegram=1,
+        calls=(RETRIES + 2, -1),
+        took=(300, 900),
+    )
     for code in (0xA2, 0xA7, 0xC0, 0xC6):
         yield EngineScenario(
             name=f"RDREC always ends with DE80{code:02X}00",

@@ -32,7 +32,7 @@ def restarts(*, classic: bool, thorough: bool = False) -> Iterator[tuple[str, Ru
     for kind in ("warm", "lost"):
         yield f"{kind} with three jobs on one unit", partial(_together, kind)
     yield "channel loaded while nobody else waits", _load_alone
-    for at in (7, 9):
+    for at in (3, 4, 5):
         yield f"channel loaded after scan {at} of the first job of the last slot", partial(_load_first, at)
     for errand in (READ_SPLIT, WRITE_SPLIT, TRIGGER):
         for count in range(1, len(PARTS)):

@@ -224,8 +224,8 @@ DEFECTS = {
     ),
     "infos of an answer that cannot be trusted stay": (
         "t15",
-        "#unit.errors[#tempBlock] := W#16#FFFF;\n                #unit.infos[#tempBlock] := W#16#0000;",
-        "#unit.errors[#tempBlock] := W#16#FFFF;",
+        "#unit.errors[#tempBlock] := W#16#FFFF; #unit.infos[#tempBlock] := W#16#0000; END_FOR;",
+        "#unit.errors[#tempBlock] := W#16#FFFF; END_FOR;",
         READ_SPLIT,
     ),
     "41 00 is taken for a good answer to a change": ("t15", "(#tempSize > 0 AND ", "(", WRITE_SPLIT),
@@ -282,7 +282,7 @@ MISSING = {
         "t15",
         "DINT_TO_INT(#tempGrant / 100000)",
         "DINT_TO_INT(#tempGrant / 100001)",
-        "channel loaded after scan 7 of the first job of the last slot",
+        "channel loaded after scan 4 of the first job of the last slot",
     ),
     "time passes although the clock stands still": ("t3", "LIMIT(MN := L#0,", "LIMIT(MN := L#1,", "scans of 0 ms"),
     "a job that is gone has a millisecond less": (

@@ -366,6 +366,13 @@ def test_layout_keeps_what_is_said(desk: Desk) -> None:
     assert edited(text, desk.workspace.format(document)) == want
 
 
+def test_layout_keeps_keys_that_are_put_aside(desk: Desk) -> None:
+    """A comment at the end of a block, as deep as its keys, belongs to it; one as deep as the next line to that."""
+    text = "plc:\n    name: A\n    # names: faq\n\n# the drives\ndrives:\n  a: {}\n  # b: {}\n"
+    want = "plc:\n  name: A\n  # names: faq\n\n# the drives\ndrives:\n  a: {}\n  # b: {}\n"
+    assert edited(text, desk.workspace.format(desk.open(text)[0])) == want
+
+
 def test_layout_leaves_texts_of_several_lines(desk: Desk) -> None:
     """Empty lines inside a text belong to it; the keys around it are laid out all the same."""
     text = "plc:\n    name: >\n      a\n\n\n      b\n    family: s7-1500\n"

@@ -46,6 +46,12 @@ class JobWatch:
         elif busy:
             self.ending = "running"
 
+    def again(self) -> None:
+        """Somebody may start it once more: then that run is the one to tell of."""
+        if self.finished and self._pins["busy"].value():
+            self.ending = "running"
+            self._telegrams = self._retries = 0
+
     def _keep(self) -> None:
         """Take status and values over as they are now: the next start changes them."""
         status = self._pins["status"].value()

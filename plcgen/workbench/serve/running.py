@@ -56,6 +56,8 @@ class Live:
                 if run.cpu.faulted or len(run.steps) >= MAX_STEPS:
                     break
                 run.scan()
+                for job in run.jobs:
+                    job.again()
             return self._now(run)
 
     def put(self, text: str) -> dict[str, Any]:

@@ -163,7 +163,7 @@ def test_several_callers_are_verified(plc: str, monkeypatch: pytest.MonkeyPatch,
         ("scl/DriveCalls2.scl", "slot := 1", "slot := 4", "PG621", "slot of job_0.fan02 is 4 instead of 1"),
         ("scl/DriveCalls3.scl", '"DriveJobs3"', '"DriveJobs2"', "PG820", "there is no member job0Fan03"),
         ("scl/Main.scl", '"DriveCalls2_DB"();', "", "PG621", "slots of fan02 is 4 instead of 2"),
-        ("db/DriveJobs2.db", "execute : Bool;", "execute : Bool := TRUE;", "PG614", "has the start value TRUE"),
+        ("db/DriveJobs2.db", "execute : Bool;", "execute : Bool := TRUE;", "PG614", "execute starts with TRUE"),
     ],
 )
 def test_damage_behind_the_first_caller_is_noticed(

@@ -32,7 +32,7 @@ DAMAGE = {
     # a record counts in the start only, and a zero is compared behind a number that is none
     (RECIPE, "StoreWinding", "dropped: #statExecuteOld := #execute", 1): "does not stay while execute is TRUE",
     (RECIPE, "CheckWinding", "dropped: #statExecuteOld := #execute", 1): "does not stay while execute is TRUE",
-    (RECIPE, "LoadWinding", "dropped: #tempBits := (#tempSent OR #tempCame)", 3): "rounds by -1 unit in the last place",
+    (RECIPE, "LoadWinding", "dropped: #tempBits := (#tempSent OR #tempCame)", 3): "unit in the last place",
     # lost while it writes: that the drive may have other values is not told
     (RESTORE, "SetLimits", "2 -> 3: IF NOT #tempFailed OR", 1): "8105 does not tell that telegram 2 may have changed",
     # status says "not saved", only cause says that the drive has refused it

@@ -23,7 +23,7 @@ STATES = (0x0004, 0x0800, 0x0804, 0x0000, 0xFFFF)
 """Operation enabled, pulses enabled, both, nothing, everything."""
 POINTS = 8
 """Scans of a run that restores in which something happens to execute or the CPU."""
-SCANS = 12
+SCANS = 6
 """That a telegram takes."""
 _PLAIN = {DONE, WORDS["NO_SLOT"], WORDS["OCCUPIED"], WORDS["TOO_SOON"]}
 

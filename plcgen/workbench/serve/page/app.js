@@ -73,6 +73,7 @@ export async function open(name) {
 }
 
 function take(found) {
+  if (desk.name && desk.name !== found.name) for (const tab of tabs) tab.cleared?.();
   Object.assign(desk, { name: found.name, known: found.known, saved: found.text, checked: null });
   desk.editor.open(found.text);
   files();

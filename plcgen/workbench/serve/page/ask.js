@@ -42,7 +42,7 @@ export function tell(text, level = "note", help = "") {
   const one = h("div", { class: `notice ${level}` }, h("div", {}, text), help ? h("small", {}, help) : null,
     h("button", { class: "plain", title: word("close"), onclick: () => one.remove() }, "\u00d7"));
   $("#notices").append(one);
-  if (level !== "error") setTimeout(() => one.remove(), 6000);
+  setTimeout(() => one.remove(), level === "error" ? 15000 : 6000);
 }
 
 // What a question raises is shown; a newer question that replaced it is no problem.

@@ -28,5 +28,9 @@ export function reviewTab(desk) {
   return {
     key: "review", title: "tabReview",
     content: h("div", { class: "stack" }, h("div", { class: "bar views" }, field(word("source"), origin), field(word("compare"), base), start, cancel, keep, bar, told), body),
+    cleared() {
+      fill(body, h("p", { class: "empty" }, word("against")));
+      keep.hidden = true;
+    },
   };
 }

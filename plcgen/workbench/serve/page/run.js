@@ -28,6 +28,16 @@ export function runTab(desk) {
   const lanes = new Lanes((scan) => mark(scan));
   let state = null, going = false, timer = 0;
 
+  // What is shown is of another spec.
+  function cleared() {
+    pause();
+    state = null;
+    load.textContent = word("load");
+    for (const one of [run, step, ten]) one.disabled = true;
+    for (const one of [where, jobs, partners, wire, decoded]) fill(one);
+    lanes.show([], 0);
+  }
+
   function start(found) {
     state = { ...found, series: new Map(), known: [], contacts: [], on: new Map(found.jobs.map((one) => [one.key, false])) };
     fill(members, found.members.map((path) => option(path.replace(/"/g, ""))));
@@ -83,7 +93,7 @@ export function runTab(desk) {
       const on = state.series.get(`${job.key}.execute`)?.at(-1)?.[1] === true;
       return h("div", { class: "row job" }, h("button", {
         "aria-pressed": on ? "true" : "false", title: job.execute, "aria-label": `execute ${job.key}`, "data-job": job.key, onclick: () => put(`${job.execute.replace(/"/g, "")}=${on ? "FALSE" : "TRUE"}`),
-      }, on ? "\u25a0" : "\u25b6"), h("b", {}, job.key), h("small", { class: last?.ending === "error" ? "bad" : "" }, last && last.ending !== "not_started" ? `${last.ending} ${last.status}` : ""));
+      }, on ? "\u25a0" : "\u25b6"), h("b", {}, job.key), h("small", { class: last?.ending === "error" ? "bad" : "", title: last?.text ?? "" }, last && last.ending !== "not_started" ? `${last.ending} ${last.status}` : ""));
     }));
   }
 
@@ -165,5 +175,6 @@ export function runTab(desk) {
           h("h3", {}, word("driveValues")), partners),
         h("div", { class: "middle" }, lanes.box, h("div", { class: "below" }, h("div", {}, h("h3", {}, word("exchanges")), wire), decoded)))),
     shown() { lanes.size(); },
+    cleared,
   };
 }

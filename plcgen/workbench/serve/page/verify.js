@@ -50,8 +50,8 @@ export function verifyTab(desk) {
   function show(found, asked) {
     const outcomes = Object.entries(found.summary).map(([name, count]) => h("span", { class: `chip o-${name}` }, `${count} ${name.replace("_", " ")}`));
     const problems = found.diagnostics.filter((one) => one.severity !== "note");
-    fill(body, h("p", { class: "verdict" }, h("b", { class: found.ok ? "good" : "bad" }, found.ok ? "\u2713 ok" : "\u2717"), " ", `${found.project}, ${found.target} `, outcomes),
-      problems.map((one) => h("p", { class: one.severity === "error" ? "bad" : "" }, `${one.code}: ${one.message}`)),
+    fill(body, h("p", { class: "verdict" }, h("b", { class: found.ok ? "good" : "bad" }, found.ok ? "\u2713 ok" : "\u2717"), " ", `${[found.project, found.target].filter(Boolean).join(", ")} `, outcomes),
+      problems.map((one) => h("p", { class: one.severity === "error" ? "bad" : "" }, `${one.code}: ${one.message}`, h("small", {}, ` ${one.help}`))),
       found.groups.map((group) => h("details", { open: group.checks.some((one) => one.outcome === "error") || group.name === "execution" },
         h("summary", {}, h("b", {}, group.title), h("small", {}, ` ${group.checks.length}, ${group.checks.filter((one) => one.outcome === "error").length} error`)),
         table([word("subject"), word("check"), word("result")], group.checks.map((one) => row(one, asked)), "dense"))),
@@ -76,6 +76,7 @@ export function verifyTab(desk) {
   return {
     key: "verify", title: "tabVerify",
     content: h("div", { class: "stack" }, h("div", { class: "bar views" }, field(word("source"), origin), field(word("effort"), effort), start, cancel, bar, told), body),
+    cleared() { fill(body); fill(told); },
   };
 }
 

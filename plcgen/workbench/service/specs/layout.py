@@ -59,7 +59,8 @@ def _indented(lines: list[str]) -> list[str]:
     carried: tuple[int, int] | None = None
     """Column above which a text or bracket of several lines goes on, and by how much it moves."""
     depth = 0
-    comments: list[int] = []
+    comments: list[tuple[int, int, dict[int, int]]] = []
+    """Line, its column, and the levels of the block that it comes after: a column and where it goes."""
     for line in lines:
         text = line.lstrip(" ")
         column = len(line) - len(text)
@@ -70,7 +71,7 @@ def _indented(lines: list[str]) -> list[str]:
             continue
         carried = None
         if text.startswith("#"):
-            comments.append(len(found))
+            comments.append((len(found), column, dict(levels)))
             found.append(line)
             continue
         while levels and levels[-1][0] > column:
@@ -79,8 +80,13 @@ def _indented(lines: list[str]) -> list[str]:
             own = levels[-1][1] + STEP if levels else 0
             levels.append((column, own))
         own = levels[-1][1]
-        for at in comments:  # a comment belongs to the line that follows
-            found[at] = f"{' ' * own}{found[at].lstrip(' ')}"
+        for (
+            at,
+            place,
+            above,
+        ) in comments:  # of the block that ends there if it is as deep, else of the line that follows
+            deep = above[place] if place > column and place in above else own
+            found[at] = f"{' ' * deep}{found[at].lstrip(' ')}"
         comments = []
         found.append(f"{' ' * own}{text}")
         inner = column
