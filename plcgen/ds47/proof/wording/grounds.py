@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import chain
+from weakref import WeakKeyDictionary
 
 from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.ds47.plan.access import Use, Verify
@@ -59,9 +59,17 @@ class Stated:
             yield f"{why}; signed off: {signed or 'no'}"
 
 
-@lru_cache(maxsize=1)
+_STATED: WeakKeyDictionary[DrivePlan, Stated] = WeakKeyDictionary()
+
+
 def stated_of(plan: DrivePlan) -> Stated:
     """What the spec of a plan demands; nothing if that cannot be stated, which the group Spec reports."""
+    if plan not in _STATED:
+        _STATED[plan] = _stated(plan)
+    return _STATED[plan]
+
+
+def _stated(plan: DrivePlan) -> Stated:
     source = spec_source(plan.loaded)
     try:
         drives = known_drives(source)
