@@ -64,6 +64,7 @@ class Live:
         """Set a member, tag or address, or something of a partner: ``NAME=VALUE``. Raises DiagnosticError."""
         with self._lock:
             run = self._loaded()
+            text = text.replace('"', "").replace(":=", "=")  # as SCL writes it, too
             if not any(recording.put(text) for recording in run.recordings):
                 (item,) = all_right([parse_timed_value(text)])
                 ((_, path, value),) = all_right([located(run.cpu, item, run.controls)])
