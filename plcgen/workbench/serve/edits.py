@@ -109,6 +109,10 @@ def add_parameter(document: Document, job: Sequence[str], reference: str, *, wri
     if there is not None and any(number == old.lstrip("PpRr") for old in _named(there)):
         raise wrong(document.name, f'the job "{job[-1]}" has {reference} already')
     if there is None:
+        other = next((one for one in ("read", "write", "compare") if node.get(one) is not None), "")
+        if other:
+            does = f'the job "{job[-1]}" has {other}: a job does one of them'
+            raise wrong(document.name, does, f"add a job for {key}, or choose one of the list that has it")
         return document.add(job, key, f"{{{reference}: }}" if writes else f"[{reference}]")
     if there.kind == "map":
         return document.add([*job, key], reference, "")

@@ -11,7 +11,7 @@ export function specTab(desk, room) {
   const results = h("div", { class: "results", id: "results" });
   const target = h("select", { id: "target" });
   const words = h("input", { id: "search", type: "search", placeholder: word("searchHint"), autocomplete: "off" });
-  let asking = new AbortController();
+  let asking = new AbortController(), added = "";
 
   async function change(what, given) {
     const found = await attempt(() => ask("change", { ...desk.now, what, given }));
@@ -63,6 +63,7 @@ export function specTab(desk, room) {
     const partner = h("select", {}, partners);
     return adding(word("addJob"), [field(word("name"), name), field(word("drive"), partner), field(word("kind"), kind)], () => {
       const [sort, key] = partner.value.split(":");
+      added = `jobs/${name.value}`;
       return change("job", { key: name.value, kind: kind.value, [sort || "drive"]: key ?? "" });
     });
   }
@@ -84,13 +85,15 @@ export function specTab(desk, room) {
     fill(drives, found.drives.map((one) => h("button", { class: "row", onclick: () => goTo(one.key) }, h("b", {}, one.key), h("small", {}, one.title || "?"))),
       found.stations.map((one) => h("button", { class: "row", onclick: () => goTo(one.key) }, h("b", {}, one.key), h("small", {}, one.line))), addDrive());
     fill(jobs, found.jobs.map((one) => h("button", { class: "row", onclick: () => { goTo(one.key); target.value = one.path.join("/"); search(); } },
-      h("b", {}, one.key), h("small", {}, one.drives.join(", ")))), addJob());
+      h("b", {}, one.key), h("small", { title: one.drives.join(", ") }, one.drives.length > 3 ? `${one.drives.length} ${word("drives")}` : one.drives.join(", ")))), addJob());
     const stations = found.stations.length > 0;
     partners.textContent = [found.drives.length || !stations ? word("drives") : "", stations ? word("stations") : ""].filter(Boolean).join(", ");
     catalogue.hidden = found.drives.length === 0;
     const before = target.value;
     fill(target, found.jobs.filter((one) => one.path[0] === "jobs").map((one) => option(one.path.join("/"), one.key)));
-    if (before) target.value = before;
+    const fresh = [...target.options].some((one) => one.value === added) ? added : "";  // what is added goes into the new job
+    if (fresh) added = "";
+    if (fresh || before) target.value = fresh || before;
   }
 
   function list(found) {
