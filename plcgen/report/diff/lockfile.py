@@ -135,8 +135,10 @@ def _job(job: JobState) -> dict[str, object]:
         for one in job.telegrams
     ]  # fmt: skip
     return {
-        "key": job.key, "drive": job.drive, "group": job.group, "block": job.block, "place": job.place,
-        "items": job.items, "timing": dict(job.timing), "trigger": dict(job.trigger), "telegrams": telegrams,
+        "key": job.key, "drive": job.drive, "group": job.group, "block": job.block,
+        "place": dict(zip(("data", "member"), job.place, strict=True)),
+        "items": [item._asdict() for item in job.items],
+        "timing": dict(job.timing), "trigger": dict(job.trigger), "telegrams": telegrams,
     }  # fmt: skip
 
 
@@ -221,13 +223,24 @@ class _Telegram(StrictModel):
     protocol: Annotated[str, AfterValidator(_protocol)]
 
 
+class _Place(StrictModel):
+    data: Stored = ""
+    member: Stored = ""
+
+
+class _Item(StrictModel):
+    label: Stored
+    does: Stored
+    value: Stored = ""
+
+
 class _Job(StrictModel):
     key: Stored
     drive: Stored
     group: Stored = ""
     block: Stored = ""
-    place: tuple[Stored, Stored] = ("", "")
-    items: tuple[tuple[Stored, Stored, Stored], ...] = ()
+    place: _Place = _Place()
+    items: tuple[_Item, ...] = ()
     timing: Texts = _None
     trigger: Texts = _None
     telegrams: tuple[_Telegram, ...] = ()
@@ -355,7 +368,8 @@ class _Reader:
         )
         return JobState(
             job.key, job.drive, telegrams, tuple(job.timing.items()), tuple(job.trigger.items()), next(self.places),
-            job.group, tuple(JobItem(*item) for item in job.items), job.place, job.block,
+            job.group, tuple(JobItem(one.label, one.does, one.value) for one in job.items),
+            (job.place.data, job.place.member), job.block,
         )  # fmt: skip
 
     def block(self, given: _Block, *, twice: bool) -> BlockState:
