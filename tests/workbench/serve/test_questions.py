@@ -197,6 +197,21 @@ def test_a_run_goes_on_scan_by_scan(folder: Path, server: Server) -> None:
     assert (seen[0]["ending"], seen[0]["status"]) == ("done", "0000")
 
 
+def test_a_job_that_is_started_again_is_told_of_anew(folder: Path, server: Server) -> None:
+    """First accepted, then refused (status 8401 of docs/generated-code.md); values also as SCL writes them."""
+    server.told("load", now(folder, PUMP))
+    ended = []
+    for fault in ("", "error:number=0x11"):
+        if fault:
+            server.told("strike", {"text": fault})
+        server.told("put", {"text": '"DriveJobs".setRamps.execute := TRUE'})
+        found = server.told("step", {"scans": 200})["results"][0]
+        ended.append((found["ending"], found["status"]))
+        server.told("put", {"text": "DriveJobs.setRamps.execute=FALSE"})
+        server.told("step", {"scans": 5})
+    assert ended == [("done", "0000"), ("error", "8401")]
+
+
 def test_a_fault_by_hand_delays_the_job(folder: Path, server: Server) -> None:
     """The drive is busy five times more: the job needs more scans than without, and ends well. A wrong word is told."""
     took = []
