@@ -39,7 +39,7 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     "sources": ("one", "per_block"),
     "prefix": ("none", "short", "long"),
     "retain": ("yes", "no"),
-    "cycle": ("no", "100ms", "1s"),
+    "cycle": ("no", "100ms", "1s", "1h"),
     "owned": ("none", "Main", "notes.md"),
 }  # fmt: skip
 BASE: Row = {

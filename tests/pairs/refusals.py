@@ -49,7 +49,7 @@ DRIVES: tuple[Refusal, ...] = (
     ((OWN, ("kind", LISTS)), "PG223"),
     ((OWN, ("kind", ("input",)), ("type", ("Float64",)), ("family", ("s7-1200", "s7-1500"))), "PG223"),
     ((OWN, ("kind", ("input",)), ("type", ("Integer64", "Unsigned64")), ("family", ("s7-1500",))), "PG223"),
-    ((("kind", WRITERS), ("cycle", ("100ms", "1s"))), "PG264"),
+    ((("kind", WRITERS), ("cycle", ("100ms", "1s", "1h"))), "PG264"),
     ((("kind", ("main_values",)), ("device", ("profidrive", "sinamics-dcp", "./acme.yaml"))), "PG248"),
     ((("kind", ("faults", "alarms", "acknowledge", "activate", "clock")), ("device", ("./acme.yaml",))), "PG248"),
     ((("kind", ("faults",)), ("device", ("micromaster-4", "profidrive", "sinamics-dcp"))), "PG248"),

@@ -70,6 +70,9 @@ SPECS: dict[str, dict[str, Any]] = {
     "retries that are over before a third of the timeout is": spec(
         S300, FLOAT, "jobs: {j: {drive: a, read: [P43000], timeout: 2min, retries: 100}}", device="sinamics-v90"
     ),
+    "a cycle of an hour that no run can outlast": spec(
+        S1200, FLOAT, "jobs: {j: {drive: a, read: [P43000], cycle: 1h, timeout: 300ms}}"
+    ),
     "a save without retries": spec(
         S1200, FLOAT, "jobs: {j: {drive: a, save: drive_object, timeout: 2s, retries: 0}}", device="profidrive"
     ),

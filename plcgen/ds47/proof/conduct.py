@@ -15,7 +15,7 @@ from plcgen.ds47.proof.poll_times import PollTimes
 from plcgen.ds47.proof.records import Record
 from plcgen.ds47.proof.repetition import Repetition
 from plcgen.ds47.proof.restoration import BACK, CAUSE, OLD, Restoration, Restores
-from plcgen.ds47.proof.rig import SLOT, JobRig
+from plcgen.ds47.proof.rig import SLOT, WAIT_LIMIT_MS, JobRig
 from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.ds47.proof.step_facts import Steps, longest_waits, route
 from plcgen.ds47.proof.step_run import StepRun
@@ -100,10 +100,12 @@ class JobConduct:
             rig.wait(self.saved_at + save.since - rig.cpu.clock - scenario.scan)
         rig.drive.begin(scenario)
         rig.bus.write_busy, rig.bus.read_busy = scenario.busy
+        repeats = scenario.of(Repeats)
         if scenario.occupied:
             rig.occupy()
+            if repeats.slow:
+                rig.channel.set("waitLimit", WAIT_LIMIT_MS)  # its scans are longer than the short limit
         happens = set(scenario.happens.values())
-        repeats = scenario.of(Repeats)
         others = scenario.occupied or steps.taken or repeats.taken or repeats.given_up
         self.untouched.begin(alone=not others and not {"cold", "warm"} & happens)
         messages = scenario.of(Messages).messages
@@ -176,7 +178,7 @@ class JobConduct:
         if steps.still and steps.still == self.steps.handed and self.rig.unit.get("state") == HOLD:
             return min(STILL_MS, self.rig.job.timeout // 2)
         if run.scenario.of(Repeats).slow and run.scans in SLOW:
-            return slow_scan(self.rig.job)
+            return slow_scan(self.rig.job, waits=run.scenario.occupied > 0)
         if run.scenario.meddle and run.scans > 1:
             self.rig.meddle()
         if steps.robbed and steps.robbed == self.steps.handed and self.rig.answered:

@@ -45,9 +45,9 @@ def outlasts(job: DriveJob) -> bool:
     return job.timeout > (len(SLOW) + 1) * STEP_MS
 
 
-def slow_scan(job: DriveJob) -> int:
-    """Length of each of the ``SLOW`` scans in ms; where the first ends the run, the cycle is over in it."""
-    return max(1, job.cycle // 2 if outlasts(job) else job.cycle)
+def slow_scan(job: DriveJob, *, waits: bool) -> int:
+    """Length of each of the ``SLOW`` scans in ms; where the first ends a run that has the unit, a whole cycle."""
+    return max(1, job.cycle // 2 if waits or outlasts(job) else job.cycle)
 
 
 def cycle_signals(job: DriveJob) -> tuple[str, ...]:

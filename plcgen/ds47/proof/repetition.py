@@ -67,8 +67,9 @@ class Repetition:
 
     def lost(self) -> int:
         """Time in ms that may not have counted since the last good start."""
-        slow = len(SLOW) * slow_scan(self.rig.job) if self.run.scenario.of(Repeats).slow else 0
-        return self.length * LOST_CALLS * (1 + (self.rig.cpu.clock - self.good) // HOUR_MS) + slow
+        scenario = self.run.scenario
+        slow = slow_scan(self.rig.job, waits=scenario.occupied > 0) if scenario.of(Repeats).slow else 0
+        return self.length * LOST_CALLS * (1 + (self.rig.cpu.clock - self.good) // HOUR_MS) + len(SLOW) * slow
 
     def calls(self) -> Iterator[int]:
         """Calls while a result stays; yields the time since the start of the last run."""

@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from plcgen.ds47.plan.nouns import DriveJob
-from plcgen.ds47.proof.cycles import Repeats, outlasts
+from plcgen.ds47.proof.cycles import SLOW, Repeats, outlasts
 from plcgen.ds47.proof.scenario import DriveScenario, KindScenarios
-from plcgen.ds47.proof.words import DONE, WORDS
 
 
 def repeating(job: DriveJob, _: int) -> Iterator[DriveScenario]:
@@ -24,19 +23,18 @@ def repeating(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     ):
         yield DriveScenario(name=name, scan=scan, parts=(repeats,), follow=False)
     slow = Repeats(goes_on=True, slow=True)
-    enough = outlasts(job)
-    if enough:
-        yield DriveScenario(name="a run takes longer than a cycle", busy=(20, 1), parts=(slow,), follow=False)
-    yield DriveScenario(
+    long_run = DriveScenario(name="a run takes longer than a cycle", busy=(20, 1), parts=(slow,), follow=False)
+    if not outlasts(job):  # its timeout ends a run before: it waits for the unit, of which the timeout does not count
+        long_run = replace(long_run, busy=(1, 1), scan=scan, occupied=scan * (SLOW.stop + 1))
+    yield long_run
+    yield replace(
+        long_run,
         name="execute rises after a run that takes longer than a cycle",
-        busy=(20, 1),
-        status=(DONE,) if enough else (DONE, WORDS["TIMEOUT"], WORDS["DRAIN_TIMEOUT"], WORDS["NO_PLACE"]),
         happens={2: "drop"},
-        at_once=enough,
+        at_once=True,
         checked=False,
         again=None,
         parts=(replace(slow, goes_on=False),),
-        follow=False,
     )
 
 
