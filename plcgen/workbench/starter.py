@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -87,7 +87,7 @@ KINDS = {
     "clock": "clock: utc | of a control unit",
     "recipe": "write_recipe: material | the record with the number at its input",
 }
-"""Every other kind of job, by a word for it; P stands for a parameter that the device has, W for one of 16 bits."""
+"""Every other kind of job, by a word for it; P and W stand for parameters as ``samples`` has them."""
 _RECIPES = """
 recipes:
   material: {parameters: [P], records: {copper: {P: 5.0}, steel: {P: 10.0}}}
@@ -99,7 +99,7 @@ plc: {{name: My station, family: {family}, toolchain: {toolchain}}}
 
 ppi:
   line:
-    module: {module} | cm1241, cb1241, cm-ptp; cp341 on an S7-300
+    {module} | cm1241, cb1241, cm-ptp; cp341 on an S7-300
     {port} | of the module
     stations: {{s7_200: {{address: 2}}}} | cpu: "224" refuses addresses that it does not have
     jobs:
@@ -108,10 +108,16 @@ ppi:
 """
 
 
+def ppi_module(family: str) -> str:
+    """The usual module of a family and where it is, as keys of a master."""
+    if family in {"s7-300", "s7-400"}:
+        return "module: cp341, address: 256"
+    return f"module: {'cm-ptp' if family == 's7-1500' else 'cm1241'}, port: 270"
+
+
 def ppi_starter(file: str, family: str, toolchain: str) -> str:
     """A starter spec of a PPI master."""
-    module, port = ("cp341", "address: 256") if family in {"s7-300", "s7-400"} else ("cm1241", "port: 270")
-    module = "cm-ptp" if family == "s7-1500" else module
+    module, port = ppi_module(family).split(", ")
     text = PPI.format(file=file, family=family, toolchain=toolchain, module=module, port=port)
     return "".join(_aligned(line) for line in text.splitlines())
 
@@ -124,20 +130,36 @@ def _of_kinds(kinds: Sequence[str], device: Device) -> str:
     return _with_numbers("\n".join(lines) + "\n" + (_RECIPES if "recipe" in kinds else ""), device)
 
 
-def _with_numbers(text: str, device: Device) -> str:
-    """P and W stand for parameters of the device."""
+STAND_INS = {"R": 21, "P": 1120, "W": 1030}
+"""Numbers for devices of which no parameter is known that could be read, be written, or be written bit by bit."""
+
+
+def samples(device: Device) -> dict[str, int]:
+    """Parameters of a device to show jobs with: R to read, P to write, W to write bit by bit; harmless ones only.
+
+    What the device is not known to have is missing.
+    """
     known = _known(device)
-    ramp = next((number for number in (1120, 1121, 50303, 50304) if number in known), None)
-    first = next((p.pnu for p in known.values() if "w" in p.access), 1120) if ramp is None else ramp
-    words = [p.pnu for p in known.values() if p.type == "Unsigned16" and "w" in p.access and not device.danger(p.pnu)]
-    word = 1030 if 1030 in words else next(iter(words), first)
-    return re.sub(r"\bW\b", f"P{word}", re.sub(r"\bP\b", f"P{first}", text))
+    harmless = [p for p in known.values() if "w" in p.access and not p.bico and not device.danger(p.pnu)]
+    writable = sorted(harmless, key=lambda p: p.type != "FloatingPoint")
+    words = [p.pnu for p in harmless if p.type == "Unsigned16"]
+    ramp = [number for number in (1120, 1121, 50303, 50304) if number in known]
+    fitting = {
+        "R": [*(number for number in (21, *ramp) if number in known), *known],
+        "P": [*ramp, *(p.pnu for p in writable)],
+        "W": [*(number for number in (1030,) if number in words), *words],
+    }
+    return {letter: numbers[0] for letter, numbers in fitting.items() if numbers}
 
 
-def job_lines(kind: str, device: Device) -> str:
-    """The keys of a job of a kind beside its drive, in one line of flow YAML."""
-    text = {"read": "read: [P]", "write": "write: {P: }", **KINDS}[kind]
-    return _with_numbers(", ".join(line.partition(" | ")[0] for line in text.split("\n")), device)
+def _with_numbers(text: str, device: Device) -> str:
+    """R, P and W stand for parameters of the device."""
+    return sampled(text, {**STAND_INS, **samples(device)})
+
+
+def sampled(text: str, numbers: Mapping[str, int]) -> str:
+    """R, P and W stand for parameters with these numbers; what has none stays."""
+    return re.sub(rf"\b[{''.join(numbers)}]\b", lambda found: f"P{numbers[found[0]]}", text) if numbers else text
 
 
 def usable(device: Device) -> tuple[str, ...]:

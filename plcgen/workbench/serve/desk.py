@@ -23,6 +23,7 @@ from plcgen.workbench.serve.running import MAX_SCANS, Live
 from plcgen.workbench.serve.tools import MAX_DROPPED
 from plcgen.workbench.serve.working import Worker
 from plcgen.workbench.service.documents import Document
+from plcgen.workbench.service.specs.form import put_in
 from plcgen.workbench.service.workspace import Workspace
 
 
@@ -65,8 +66,14 @@ class Save(Text):
 class Change(Text):
     """What the form adds."""
 
-    what: Literal["drive", "job", "parameter"]
+    what: Literal["drive", "job", "parameter", "cycle", "recipe", "station"]
     given: dict[str, str] = Field(max_length=12)
+
+
+class Partner(Text):
+    """A drive by its key, or a station as ``line/station``."""
+
+    partner: str = Field(max_length=400)
 
 
 class Search(Text):
@@ -254,12 +261,17 @@ class Desk:
         with self._lock:
             return spec.search(self.workspace.specs.state(self._open(asked)), asked.job, asked.words)
 
-    def change(self, asked: Change) -> dict[str, Any]:
-        """The text after the form has added something."""
+    def kinds(self, asked: Partner) -> dict[str, Any]:
+        """What a drive or a station can do, and why not the rest."""
         with self._lock:
-            return {
-                "text": spec.change(self.workspace.specs.state(self._open(asked)), asked.name, asked.what, asked.given)
-            }
+            return {"kinds": spec.kinds(self.workspace.specs.state(self._open(asked)), asked.partner)}
+
+    def change(self, asked: Change) -> dict[str, Any]:
+        """Edits that put something into the text."""
+        with self._lock:
+            document = self._open(asked)
+            found = put_in(self.workspace.specs.state(document), asked.what, asked.given)
+            return {"edits": spec.edits(document, found)}
 
     # --- what it becomes -------------------------------------------------------------------------------------
 

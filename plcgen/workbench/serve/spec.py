@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from plcgen.base.diagnostics import Diagnostic, Severity, Span
 from plcgen.ds47.devices import Catalogue, device_names
 from plcgen.s7.types.families import FAMILIES
-from plcgen.workbench.serve.edits import NAME, Document, add_parameter
 from plcgen.workbench.serve.room import Room, wrong
 from plcgen.workbench.service.documents import Document as Opened
 from plcgen.workbench.service.positions import from_units, to_units
 from plcgen.workbench.service.results import Edit, Finding
 from plcgen.workbench.service.specs.drives import drives_at, in_full, in_short, known_drive, spelled
+from plcgen.workbench.service.specs.jobs import drive_forms, job_offers
 from plcgen.workbench.service.specs.state import SpecState
-from plcgen.workbench.starter import KINDS, job_lines, ppi_starter, starter
+from plcgen.workbench.starter import ppi_starter, starter
 
 MOST = 60
 """Parameters that a search shows."""
@@ -124,41 +125,9 @@ def _messages(words: str, known: Iterable[Any]) -> Iterator[dict[str, str]]:
             yield {"key": page.key, "title": page.title, "device": key, "text": "\n".join(page.sections[0])}
 
 
-def change(state: SpecState, name: str, what: str, given: dict[str, str]) -> str:
-    """The text of a spec after the form has added a drive, a job or a parameter."""
-    document = Document(state.document.text, name)
-    key = given.get("key", "").strip()
-    if what == "parameter":
-        writes = given.get("access") == "write"
-        return add_parameter(document, given.get("job", "").split("/"), given.get("parameter", ""), writes=writes)
-    if not NAME.match(key):
-        raise wrong(name, f'"{key}" is no name', "up to 24 letters, digits and _, a letter first")
-    if what == "drive":
-        return document.add(["drives"], key, _drive(state, name, given))
-    if what == "job" and given.get("station"):
-        line, _, station = given["station"].partition("/")
-        access = "write: {VW200: }" if given.get("kind") == "write" else "read: [VW100]"
-        return document.add(["ppi", line, "jobs"], key, f"{{station: {station}, {access}}}")
-    known = known_drive(state, given.get("drive", ""))
-    if known is None:
-        raise wrong(name, f'there is no drive "{given.get("drive", "")}"', "add a drive first")
-    return document.add(["jobs"], key, f"{{drive: {known.key}, {job_lines(given.get('kind', 'read'), known.device)}}}")
-
-
-def _drive(state: SpecState, name: str, given: dict[str, str]) -> str:
-    """A drive in one line, addressed as its family does it."""
-    from plcgen.base.diagnostics import Report
-
-    report = Report()
-    device = Catalogue(state.document.path.parent).find(given.get("device", ""), Span(name), report)
-    if device is None:
-        raise wrong(name, next(iter(report)).message if len(report) else "there is no such device")
-    address = given.get("address", "").strip() or "270"
-    if not address.isdecimal():
-        raise wrong(name, f'"{address}" is no address', "a number of the hardware configuration")
-    classic = state.project is not None and state.project.target.family in {"s7-300", "s7-400"}
-    where = f"{'address' if classic else 'hardware_id'}: {address}"
-    return f"{{device: {device.key}, {where}, drive_object: {device.drive_object}}}"
+def kinds(state: SpecState, partner: str) -> list[dict[str, Any]]:
+    """The kinds of jobs of a drive, or of a station as ``line/station``, with the reason of those that it lacks."""
+    return [asdict(one) for one in job_offers(state, partner)]
 
 
 def new_spec(name: str, given: dict[str, str], folder: Any) -> str:
@@ -190,6 +159,6 @@ def choices() -> dict[str, Any]:
         "devices": [{"key": key, "title": find_device(key).title} for key in device_names()],
         "families": list(FAMILIES),
         "toolchains": list(get_args(Toolchain)),
-        "kinds": ["read", "write", *(kind for kind in KINDS if kind != "recipe")],
+        "kinds": [form.kind for form in drive_forms()],
         "severities": [severity.label for severity in reversed(Severity)],
     }

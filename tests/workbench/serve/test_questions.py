@@ -44,6 +44,17 @@ def now(folder: Path, name: str, *edit: str) -> dict[str, Any]:
     return {"name": name, "text": text.replace(*edit) if edit else text}
 
 
+def changed(server: Server, asked: dict[str, Any], what: str, given: dict[str, str]) -> str:
+    """The text after the edits of the form; lines of these texts are plain ASCII."""
+    text: str = asked["text"]
+    lines = text.splitlines(keepends=True)
+    for edit in server.told("change", {**asked, "what": what, "given": given})["edits"]:
+        first, start, last, end = edit["place"]
+        behind = [lines[last][end:], *lines[last + 1 :]] if last < len(lines) else []
+        text = "".join([*lines[:first], lines[first][:start] if first < len(lines) else "", edit["text"], *behind])
+    return text
+
+
 def done(server: Server) -> dict[str, Any]:
     """The result of the work that runs."""
     end = time.monotonic() + 120
@@ -98,13 +109,13 @@ def test_a_form_edit_keeps_everything_else(folder: Path, server: Server) -> None
     """One parameter more in one line; the text is checked like one that was typed."""
     asked = now(folder, PUMP)
     given = {"job": "jobs/read_speed", "parameter": "r27", "access": "read"}
-    text = server.told("change", {**asked, "what": "parameter", "given": given})["text"]
+    text = changed(server, asked, "parameter", given)
     assert text == asked["text"].replace("read: [actual_speed]", "read: [actual_speed, r27]")
     given = {"key": "fan", "device": "sinamics-g120", "address": "271"}
-    text = server.told("change", {**asked, "what": "drive", "given": given})["text"]
+    text = changed(server, {**asked, "text": text}, "drive", given)
     assert "  fan: {device: sinamics-g120, hardware_id: 271, drive_object: 1}\n" in text
     given = {"key": "watch_fan", "drive": "fan", "kind": "read"}
-    text = server.told("change", {"name": PUMP, "text": text, "what": "job", "given": given})["text"]
+    text = changed(server, {"name": PUMP, "text": text}, "job", given)
     assert not [
         one for one in server.told("check", {"name": PUMP, "text": text})["findings"] if one["severity"] == "error"
     ]
@@ -119,7 +130,7 @@ def test_every_kind_of_job_that_the_form_offers_can_be_had(server: Server) -> No
     )
     for kind in server.told("folder")["kinds"]:
         given = {"key": "one", "kind": kind, "drive": "unit" if kind == "clock" else "axis"}
-        made = server.told("change", {"name": "a.yaml", "text": text, "what": "job", "given": given})["text"]
+        made = changed(server, {"name": "a.yaml", "text": text}, "job", given)
         found = server.told("check", {"name": "a.yaml", "text": made})["findings"]
         assert [one["message"] for one in found if one["severity"] == "error"] == [], kind
 

@@ -1,16 +1,6 @@
 // The editor: CodeMirror if its bundle is there, else a text field with the same face.
 import { h } from "./dom.js";
 
-// Changes as one replaced stretch: the cursor, the folds and the way back stay.
-function difference(old, now) {
-  let from = 0;
-  const most = Math.min(old.length, now.length);
-  while (from < most && old[from] === now[from]) from += 1;
-  let end = 0;
-  while (end < most - from && old[old.length - 1 - end] === now[now.length - 1 - end]) end += 1;
-  return { from, to: old.length - end, insert: now.slice(from, now.length - end) };
-}
-
 class Field {
   constructor(parent, hooks) {
     this.area = h("textarea", { class: "plain-editor", spellcheck: "false", autocomplete: "off", wrap: "off", "aria-label": "YAML" });
@@ -72,11 +62,6 @@ class Code {
   state(text) { return this.cm.EditorState.create({ doc: text, extensions: this.extensions }); }
   get text() { return this.view.state.doc.toString(); }
   open(text) { this.view.setState(this.state(text)); }
-  change(text) {
-    const changes = difference(this.text, text);
-    const selection = { anchor: changes.from + changes.insert.length };
-    this.view.dispatch({ changes, selection, scrollIntoView: true, annotations: this.cm.isolateHistory.of("full") });
-  }
   at(line, character) {
     const doc = this.view.state.doc;
     if (line >= doc.lines) return doc.length;
@@ -86,7 +71,10 @@ class Code {
   range(place) { return { from: this.at(place[0], place[1]), to: this.at(place[2], place[3]) }; }
   apply(edits) {
     const changes = sorted(edits).reverse().map((one) => ({ ...this.range(one.place), insert: one.text }));
-    this.view.dispatch({ changes, annotations: this.cm.isolateHistory.of("full") });
+    if (!changes.length) return;
+    const made = this.view.state.changes(changes);
+    const selection = { anchor: made.mapPos(changes[0].to, 1) };  // behind what is new
+    this.view.dispatch({ changes: made, selection, scrollIntoView: true, annotations: this.cm.isolateHistory.of("full") });
   }
   problems(found) {
     const marks = found.filter((one) => one.here && one.line).map((one) => {

@@ -16,7 +16,7 @@ export function specTab(desk, room) {
   async function change(what, given) {
     const found = await attempt(() => ask("change", { ...desk.now, what, given }));
     if (!found) return false;
-    desk.editor.change(found.text);
+    desk.editor.apply(found.edits);
     return true;
   }
 

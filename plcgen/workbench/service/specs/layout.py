@@ -27,7 +27,7 @@ def formatted(document: Document) -> tuple[Edit, ...]:
     for laid in (_squeezed(indented), indented, _squeezed(lines)):
         text = "\n".join(laid).rstrip("\n") + "\n"
         if _meaning(text) == before and _comments(text) == _comments(document.text):
-            return _edits(document, text)
+            return difference(document, text)
     return ()
 
 
@@ -108,8 +108,8 @@ def _opened(text: str) -> int:
     return sum(bare.count(mark) for mark in "[{") - sum(bare.count(mark) for mark in "]}")
 
 
-def _edits(document: Document, text: str) -> tuple[Edit, ...]:
-    """One edit for the lines that differ, from the first to the last of them."""
+def difference(document: Document, text: str) -> tuple[Edit, ...]:
+    """What makes the lines of a document those of a text: one edit, from the first line that differs to the last."""
     old, new = list(document.lines), text.split("\n")
     first = next(
         (n for n, (one, other) in enumerate(zip(old, new, strict=False)) if one != other), min(len(old), len(new))

@@ -8,7 +8,7 @@ import pytest
 
 from plcgen import api
 from plcgen.base.diagnostics import DiagnosticError
-from plcgen.workbench.serve.edits import Document, add_parameter
+from plcgen.workbench.service.specs.entries import Entries, add_parameter
 from tests.projects import ROOT
 
 BLOCK = """\
@@ -53,13 +53,13 @@ def added(old: str, new: str) -> list[str]:
 )
 def test_a_parameter_in_block_style(job: str, parameter: str, lines: list[str], *, writes: bool) -> None:
     """Behind the last one, indented like it; the comments stay where they are."""
-    found = add_parameter(Document(BLOCK, "press.yaml"), ["jobs", job], parameter, writes=writes)
+    found = add_parameter(Entries(BLOCK, "press.yaml"), ["jobs", job], parameter, writes=writes)
     assert added(BLOCK, found) == lines
 
 
 def test_a_parameter_in_flow_style() -> None:
     """In its brackets; what stands behind them stays."""
-    found = add_parameter(Document(BLOCK, "press.yaml"), ["jobs", "read_speed"], "r27", writes=False)
+    found = add_parameter(Entries(BLOCK, "press.yaml"), ["jobs", "read_speed"], "r27", writes=False)
     assert added(BLOCK.replace("[r21]}   # once", "[r21, r27]}   # once"), found) == []
 
 
@@ -67,23 +67,23 @@ def test_a_parameter_that_is_there_is_not_added_again() -> None:
     """Whatever letter and case it is written with."""
     for text in ("P1120", "p1120", "r1120"):
         with pytest.raises(DiagnosticError, match="already"):
-            add_parameter(Document(BLOCK, "press.yaml"), ["jobs", "set_ramps"], text, writes=True)
+            add_parameter(Entries(BLOCK, "press.yaml"), ["jobs", "set_ramps"], text, writes=True)
 
 
 def test_a_job_either_reads_or_writes() -> None:
     """What is written is not put into a job that reads, which would be a mistake in the spec."""
     with pytest.raises(DiagnosticError, match="has read: a job does one of them"):
-        add_parameter(Document(BLOCK, "press.yaml"), ["jobs", "read_speed"], "P1082", writes=True)
+        add_parameter(Entries(BLOCK, "press.yaml"), ["jobs", "read_speed"], "P1082", writes=True)
 
 
 def test_a_drive_and_a_job() -> None:
     """Behind the last one of their section, before the comment at the end of the file."""
-    found = Document(BLOCK, "press.yaml").add(["drives"], "fan", "{device: sinamics-g120, hardware_id: 271}")
+    found = Entries(BLOCK, "press.yaml").add(["drives"], "fan", "{device: sinamics-g120, hardware_id: 271}")
     assert added(BLOCK, found) == ["  fan: {device: sinamics-g120, hardware_id: 271}"]
-    found = Document(BLOCK, "press.yaml").add(["jobs"], "save_all", "{drive: axis, save: drive_object}")
+    found = Entries(BLOCK, "press.yaml").add(["jobs"], "save_all", "{drive: axis, save: drive_object}")
     assert found.index("save_all") < found.index("# the end")
     with pytest.raises(DiagnosticError, match="already"):
-        Document(BLOCK, "press.yaml").add(["drives"], "axis", "{}")
+        Entries(BLOCK, "press.yaml").add(["drives"], "axis", "{}")
 
 
 @pytest.mark.parametrize(
@@ -97,10 +97,10 @@ def test_a_drive_and_a_job() -> None:
 )
 def test_the_first_of_its_section(text: str, tmp_path: Path) -> None:
     """The section is made if it is not there; what comes of it is a spec."""
-    found = Document(text, "a.yaml").add(
+    found = Entries(text, "a.yaml").add(
         ["drives"], "axis", "{device: sinamics-s120, hardware_id: 270, drive_object: 3}"
     )
-    found = Document(found, "a.yaml").add(["jobs"], "read_speed", "{drive: axis, read: [r21]}")
+    found = Entries(found, "a.yaml").add(["jobs"], "read_speed", "{drive: axis, read: [r21]}")
     spec = tmp_path / "a.yaml"
     spec.write_text(found, "utf-8")
     assert [d for d in api.check(spec).diagnostics if d.severity.label == "error"] == []
@@ -110,14 +110,14 @@ def test_the_first_of_its_section(text: str, tmp_path: Path) -> None:
 def test_every_shipped_spec_keeps_its_lines(spec: Path) -> None:
     """A parameter for each job of each that may have it: no line but one is another one, and it stays YAML."""
     text = spec.read_text("utf-8")
-    jobs = Document(text, spec.name).at("jobs")
+    jobs = Entries(text, spec.name).at("jobs")
     for job in jobs.pairs if jobs is not None else ():
         for writes in (False, True):
             try:
-                found = add_parameter(Document(text, spec.name), ["jobs", job], "P29999", writes=writes)
+                found = add_parameter(Entries(text, spec.name), ["jobs", job], "P29999", writes=writes)
             except DiagnosticError:
                 continue  # it does the other
-            node = Document(found, spec.name).at("jobs", job, "write" if writes else "read")
+            node = Entries(found, spec.name).at("jobs", job, "write" if writes else "read")
             assert node is not None
             assert "P29999" in str(node.data())
             changed = set(text.splitlines()) - set(found.splitlines())

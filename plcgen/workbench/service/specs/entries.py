@@ -1,19 +1,21 @@
-"""What the form beside the editor does to a spec: text put in at a place; all other lines stay as they are."""
+"""Entries put into the text of a spec at their places; all other lines stay as they are."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 
-from plcgen.base.diagnostics import Report
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.base.files.yaml import YamlNode, parse_yaml
-from plcgen.workbench.serve.room import wrong
 
-NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,23}\Z")
 _STEP = "  "
 
 
-class Document:
+def refused(file: str, message: str, help_: str = "") -> DiagnosticError:
+    """Why a spec is not changed."""
+    return DiagnosticError([Diagnostic("PG901", message, Span(file), help=help_)])
+
+
+class Entries:
     """A spec as text with the places of its nodes."""
 
     def __init__(self, text: str, name: str) -> None:
@@ -21,7 +23,7 @@ class Document:
         self.lines = self.text.splitlines(keepends=True)
         root = parse_yaml(self.text, name, Report())
         if root is None and self.text.strip():
-            raise wrong(name, "the form cannot be used while the text is no YAML", "correct the marked line first")
+            raise refused(name, "the form cannot be used while the text is no YAML", "correct the marked line first")
         self.root = root if root is not None and root.kind == "map" else None
 
     def at(self, *path: str) -> YamlNode | None:
@@ -38,18 +40,31 @@ class Document:
         """
         parent = self.at(*path)
         if parent is not None and key in parent.pairs:
-            raise wrong(self.name, f'there is "{key}" already', "choose another name")
+            raise refused(self.name, f'there is "{key}" already', "choose another name")
         if parent is None or (parent.kind == "scalar" and parent.value is None):
             return self._first(path, key, body)
         if parent.kind != "map":
-            raise wrong(self.name, f'"{".".join(path)}" is no mapping', "correct it in the text")
+            raise refused(self.name, f'"{".".join(path)}" is no mapping', "correct it in the text")
         flowing = self.lines[parent.span.line - 1][parent.span.column - 1] == "{"
         return self._entry(parent, f"{key}: {body or 'null' if flowing else body}".rstrip(), "{}")
 
+    def then(self, text: str) -> Entries:
+        """The same spec with another text."""
+        return Entries(text, self.name)
+
+    def put(self, path: Sequence[str], key: str, body: str) -> str:
+        """The text with an entry in the mapping at ``path``, in the place of the one there, if there is one."""
+        old = self.at(*path, key)
+        if old is None or old.kind != "scalar" or old.value is None:
+            return self.add(path, key, body)
+        span = old.span
+        return self._put(span.line, span.column, body, span.end_column - span.column)
+
     def append(self, path: Sequence[str], item: str) -> str:
-        """The text with one more item in the list at ``path``, which is there."""
+        """The text with one more item in the list at ``path``. Raises DiagnosticError if there is none."""
         parent = self.at(*path)
-        assert parent is not None  # noqa: S101 - the caller has looked
+        if parent is None or parent.kind == "map":
+            raise refused(self.name, f'there is no list "{".".join(path)}"', "write it in the text")
         if parent.kind == "scalar" and parent.value is not None:
             span = parent.span
             return self._put(span.line, span.column, f"[{parent.raw}, {item}]", span.end_column - span.column)
@@ -98,25 +113,25 @@ def _end(node: YamlNode) -> int:
     return max(first, end - 1) if node.span.end_column <= 1 else max(first, end)
 
 
-def add_parameter(document: Document, job: Sequence[str], reference: str, *, writes: bool) -> str:
+def add_parameter(entries: Entries, job: Sequence[str], reference: str, *, writes: bool) -> str:
     """The text with a parameter read or written by a job, by whatever of the two it does already."""
-    node = document.at(*job)
+    node = entries.at(*job)
     if node is None or node.kind != "map":
-        raise wrong(document.name, f'there is no job "{job[-1]}"', "choose a job of the list")
+        raise refused(entries.name, f'there is no job "{job[-1]}"', "choose a job of the list")
     key = "write" if writes else "read"
     there = node.get(key)
     number = reference.lstrip("PpRr")
     if there is not None and any(number == old.lstrip("PpRr") for old in _named(there)):
-        raise wrong(document.name, f'the job "{job[-1]}" has {reference} already')
+        raise refused(entries.name, f'the job "{job[-1]}" has {reference} already')
     if there is None:
         other = next((one for one in ("read", "write", "compare") if node.get(one) is not None), "")
         if other:
             does = f'the job "{job[-1]}" has {other}: a job does one of them'
-            raise wrong(document.name, does, f"add a job for {key}, or choose one of the list that has it")
-        return document.add(job, key, f"{{{reference}: }}" if writes else f"[{reference}]")
+            raise refused(entries.name, does, f"add a job for {key}, or choose one of the list that has it")
+        return entries.add(job, key, f"{{{reference}: }}" if writes else f"[{reference}]")
     if there.kind == "map":
-        return document.add([*job, key], reference, "")
-    return document.append([*job, key], reference)
+        return entries.add([*job, key], reference, "")
+    return entries.append([*job, key], reference)
 
 
 def _named(node: YamlNode) -> list[str]:

@@ -1,0 +1,188 @@
+"""What a form puts into a spec, as edits of its text: drives, jobs, parameters, cycles, recipes, stations.
+
+Comments, order and style of everything else stay, and an editor takes one step back by its own undo.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from plcgen.base.diagnostics import Report, Span
+from plcgen.ds47.devices import Catalogue
+from plcgen.ds47.references import parse_reference
+from plcgen.workbench.service.specs.drives import drives_at, known_drive
+from plcgen.workbench.service.specs.entries import Entries, add_parameter, refused
+from plcgen.workbench.service.specs.jobs import RECIPE, RECIPE_BODY, job_offers
+from plcgen.workbench.service.specs.layout import difference
+from plcgen.workbench.starter import STAND_INS, ppi_module, sampled, samples
+
+if TYPE_CHECKING:
+    from plcgen.workbench.service.results import Edit
+    from plcgen.workbench.service.specs.state import SpecState
+
+Given = Mapping[str, str]
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,23}\Z")
+_ADDRESS = re.compile(r"[0-9]{1,5}\Z|16#[0-9A-Fa-f]{1,4}\Z")
+_TIME = re.compile(r"[0-9]+(?:ms|s|min|h)\Z")
+
+
+def put_in(state: SpecState, what: str, given: Given) -> tuple[Edit, ...]:
+    """Edits that put something into a spec.
+
+    ``what`` and what is ``given`` for it, all as text:
+
+    ``drive``: key, device, address, drive_object. ``job``: key, kind, and drive, or station as ``line/station``; cycle;
+    parameter and type where the kind asks for one; recipe where it names one. ``parameter``: job as the keys to it with
+    ``/`` between (``jobs/ramps``, ``recipes/material``), parameter, access (read, write), type. ``cycle``: job, cycle.
+    ``recipe``: key, drive, parameter. ``station``: line, key, address, cpu.
+
+    Raises:
+        DiagnosticError: why that cannot be done.
+    """
+    return difference(state.document, _PUTS[what](state, _entries(state), given))
+
+
+def _entries(state: SpecState) -> Entries:
+    return Entries(state.document.text, state.document.file)
+
+
+def _key(state: SpecState, given: Given) -> str:
+    key = given.get("key", "").strip()
+    if not _NAME.match(key):
+        raise refused(state.document.file, f'"{key}" is no name', "up to 24 letters, digits and _, a letter first")
+    return key
+
+
+def _address(state: SpecState, given: Given, default: str) -> str:
+    address = given.get("address", "").strip() or default
+    if not _ADDRESS.match(address):
+        help_ = "a number of the hardware configuration, such as 270 or 16#10E"
+        raise refused(state.document.file, f'"{address}" is no address', help_)
+    return address
+
+
+def _is_classic(state: SpecState) -> bool:
+    root = None if state.composed is None else state.composed.root.get("plc")
+    family = None if root is None else root.get("family")
+    return family is not None and family.raw in {"s7-300", "s7-400"}
+
+
+def _drive(state: SpecState, entries: Entries, given: Given) -> str:
+    """A drive in one line, addressed as its family does it."""
+    report, file, key = Report(), state.document.file, _key(state, given)
+    device = Catalogue(state.document.path.parent).find(given.get("device", ""), Span(file), report)
+    if device is None:
+        raise refused(file, next(iter(report)).message if len(report) else "there is no such device")
+    number = given.get("drive_object", "").strip() or str(device.drive_object)
+    if not number.isdecimal():
+        raise refused(file, f'"{number}" is no number of a drive object', device.drive_object_rule)
+    where = "address" if _is_classic(state) else "hardware_id"
+    address = _address(state, given, "256" if _is_classic(state) else "270")
+    return entries.add(["drives"], key, f"{{device: {given['device']}, {where}: {address}, drive_object: {number}}}")
+
+
+def _job(state: SpecState, entries: Entries, given: Given) -> str:
+    """A job of a kind, with the recipe that it names if there is none yet."""
+    file, key = state.document.file, _key(state, given)
+    partner = given.get("station") or given.get("drive", "")
+    offer = next((one for one in job_offers(state, partner) if one.kind == given.get("kind", "read")), None)
+    if offer is None:
+        raise refused(file, f'there is no drive or station "{partner}"', "add it first")
+    if offer.lacks:
+        raise refused(file, offer.lacks, offer.help)
+    line, slash, station = partner.partition("/")
+    body, cycle = offer.text, _cycle(state, given)
+    if f": {RECIPE}" in body:
+        name = given.get("recipe", "").strip() or next((name for _, name in state.names("recipes")), RECIPE)
+        body = body.replace(RECIPE, name)
+        if name not in {known for _, known in state.names("recipes")}:
+            entries = entries.then(_recipe(state, entries, {**given, "key": name, "drive": partner}))
+    elif offer.asks:
+        body, entries = _asked(state, entries, body, given)
+    body = f"{body}, cycle: {cycle}" if cycle else body
+    if slash:
+        return entries.add(["ppi", line, "jobs"], key, f"{{station: {station}, {body}}}")
+    return entries.add(["jobs"], key, f"{{drive: {partner}, {body}}}")
+
+
+def _asked(state: SpecState, entries: Entries, body: str, given: Given) -> tuple[str, Entries]:
+    """The parameter of a job that was typed, in the place of the letter that stands for it."""
+    number = _number(state, given)
+    entries = _defined(state, entries, given.get("drive", ""), number, given.get("type", ""))
+    return sampled(body, dict.fromkeys(STAND_INS, number)), entries
+
+
+def _number(state: SpecState, given: Given) -> int:
+    text = given.get("parameter", "").strip()
+    found = parse_reference(text)
+    if found is None or found.pnu is None:
+        said = f'"{text}" is no number of a parameter' if text else "the profile has no parameter for such a job"
+        raise refused(state.document.file, said, "type its number and its type, as the manual of the drive says them")
+    return found.pnu
+
+
+def _defined(state: SpecState, entries: Entries, drive: str, number: int, type_: str) -> Entries:
+    """With the type of a parameter in its drive, if that is given and not known."""
+    known = known_drive(state, drive)
+    found = None if known is None else known.find(f"P{number}")
+    if not type_ or (found is not None and found.type):
+        return entries
+    units = (tuple(map(str, path)) for path, key in state.names("units", "*", "drives") if key == drive)
+    home = next(units, ("drives", drive))
+    if entries.at(*home) is None:
+        help_ = f"define P{number} there, with its type"
+        raise refused(state.document.file, f'"{drive}" stands in another file', help_)
+    return entries.then(entries.add([*home, "parameters"], f"P{number}", f"{{type: {type_}}}"))
+
+
+def _parameter(state: SpecState, entries: Entries, given: Given) -> str:
+    """A parameter read or written by a job, or one of a recipe."""
+    path, text = given.get("job", "").split("/"), given.get("parameter", "")
+    if given.get("type"):
+        drive = given.get("drive") or next((one.key for one in drives_at(state, tuple(path))), "")
+        entries = _defined(state, entries, drive, _number(state, given), given["type"])
+    if path[0] == "recipes":
+        return entries.append([*path, "parameters"], text)
+    return add_parameter(entries, path, text, writes=given.get("access") == "write")
+
+
+def _cycle(state: SpecState, given: Given) -> str:
+    cycle = given.get("cycle", "").strip()
+    if cycle and not _TIME.match(cycle):
+        raise refused(state.document.file, f'"{cycle}" is no time', "a whole number with its unit, such as 500ms or 2s")
+    return cycle
+
+
+def _repeated(state: SpecState, entries: Entries, given: Given) -> str:
+    """The cycle of a job: put in, or another one."""
+    return entries.put(given.get("job", "").split("/"), "cycle", _cycle(state, given) or "1s")
+
+
+def _recipe(state: SpecState, entries: Entries, given: Given) -> str:
+    """A recipe with one parameter and two records to begin with."""
+    known = known_drive(state, given.get("drive", ""))
+    numbers = {} if known is None or given.get("parameter") else samples(known.device)
+    if "P" not in numbers:
+        numbers = {"P": _number(state, given)}
+        entries = _defined(state, entries, given.get("drive", ""), numbers["P"], given.get("type", ""))
+    return entries.add(["recipes"], _key(state, given), sampled(RECIPE_BODY, numbers))
+
+
+def _station(state: SpecState, entries: Entries, given: Given) -> str:
+    """A station of a line; a line that is not there begins with it and a job that reads."""
+    key, line = _key(state, given), given.get("line", "").strip() or "line"
+    address = _address(state, given, "2")
+    cpu = given.get("cpu", "").strip()
+    body = f"{{address: {address}{f', cpu: {cpu}' if cpu else ''}}}"
+    if line in {name for _, name in state.names("ppi")}:
+        return entries.add(["ppi", line, "stations"], key, body)
+    family = state.sketch.value("plc", "family")
+    job = f"jobs: {{read_{key}: {{station: {key}, read: [VW100]}}}}"
+    return entries.add(["ppi"], line, f"{{{ppi_module(family)}, stations: {{{key}: {body}}}, {job}}}")
+
+
+_PUTS: Mapping[str, Callable[[SpecState, Entries, Given], str]] = {
+    "drive": _drive, "job": _job, "parameter": _parameter, "cycle": _repeated, "recipe": _recipe, "station": _station,
+}  # fmt: skip

@@ -1,0 +1,192 @@
+"""What the form puts into a spec, and which jobs it offers: ``check`` of the text that comes of it is the judge."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from plcgen import api
+from plcgen.base.diagnostics import DiagnosticError
+from plcgen.ds47.devices import device_names, find_device
+from plcgen.ds47.registry import kinds
+from plcgen.workbench.service.specs.form import put_in
+from plcgen.workbench.service.specs.jobs import JobOffer, job_offers
+from tests.workbench.desk import Desk, edited
+
+PLANT = """\
+plc: {name: Press, family: s7-1200, toolchain: tia-v19}  # the press
+
+# all drives
+drives:
+  axis: {device: sinamics-s120, hardware_id: 270, drive_object: 3}   # the big one
+  maker: {device: profidrive, hardware_id: 271}
+jobs:
+  # ramps
+  ramps:
+    drive: axis
+    write: {P1120: 5.0}  # s
+  speed: {drive: axis, read: [r21], cycle: 1s}
+# the end
+"""
+
+GLUE = "{parameters: [P1120], records: {copper: {P1120: 5.0}, steel: {P1120: 10.0}}}"
+STATIONS, READS = "{well: {address: 3, cpu: 224}}", "{read_well: {station: well, read: [VW100]}}"
+LINE = f"{{module: cm1241, port: 270, stations: {STATIONS}, jobs: {READS}}}"
+
+
+@pytest.fixture
+def desk(tmp_path: Path) -> Desk:
+    """An empty folder."""
+    return Desk(tmp_path)
+
+
+def made(desk: Desk, text: str, what: str, **given: str) -> str:
+    """The text after the form has put something in; all lines that were there are still there, in order."""
+    document, _, _ = desk.open(text)
+    return edited(text, put_in(desk.workspace.specs.state(document), what, given))
+
+
+def errors(text: str, folder: Path) -> list[str]:
+    """Errors of a spec."""
+    checked = api.check(folder / "plant.yaml", read=lambda *_: text)
+    return [f"{one.code} {one.message}" for one in checked.diagnostics if one.severity.label == "error"]
+
+
+def offers(desk: Desk, text: str, partner: str) -> dict[str, JobOffer]:
+    """What a partner is offered, by kind."""
+    document, _, _ = desk.open(text)
+    return {one.kind: one for one in job_offers(desk.workspace.specs.state(document), partner)}
+
+
+@pytest.mark.parametrize("name", device_names())
+@pytest.mark.parametrize("family", ["s7-1500", "s7-300"])
+def test_what_a_device_can_do_is_what_check_lets_it(name: str, family: str, desk: Desk) -> None:
+    """Every kind that is offered makes a spec without errors, in a cycle where that is offered; every other one is
+    refused with the reason that ``check`` gives if it is written all the same.
+    """
+    tool = "tia-v19" if family == "s7-1500" else "tia-v16"
+    where = "hardware_id: 270" if family == "s7-1500" else "address: 256"
+    number = find_device(name).drive_object
+    text = (
+        f"plc: {{name: A, family: {family}, toolchain: {tool}}}\n"
+        f"drives:\n  axis: {{device: {name}, {where}, drive_object: {number}}}\n"
+    )
+    document, _, _ = desk.open(text)
+    for one in job_offers(desk.workspace.specs.state(document), "axis"):
+        typed = {"parameter": "P1030", "type": "Unsigned16"} if "W" in one.text else {}
+        typed = typed or ({"parameter": "P1120", "type": "FloatingPoint"} if one.asks else {})
+        given = {"key": "it", "drive": "axis", "kind": one.kind, **typed}
+        if one.lacks:
+            with pytest.raises(DiagnosticError) as refused:
+                made(desk, text, "job", **given)
+            assert refused.value.diagnostics[0].message == one.lacks
+            if not one.asks:
+                by_hand = f"{text}jobs: {{it: {{drive: axis, {one.text}}}}}\n"
+                assert f"{one.code} {one.lacks}" in errors(by_hand, desk.folder)
+            continue
+        assert errors(made(desk, text, "job", **given), desk.folder) == [], one
+        if one.cycle:
+            assert errors(made(desk, text, "job", **given, cycle="2s"), desk.folder) == [], one
+        else:
+            assert errors(made(desk, text, "job", **given, cycle="2s"), desk.folder) != [], one
+
+
+def test_every_kind_is_offered(desk: Desk) -> None:
+    """An S120 can have a job of each kind that there is, whoever brought it; its clock is in the control unit."""
+    found = offers(desk, PLANT, "axis")
+    keys = {one.text.partition(":")[0] for one in found.values()}
+    assert keys == {kind.key for kind in kinds()}
+    assert [kind for kind, one in found.items() if one.lacks] == ["clock"]
+    assert "control unit" in found["clock"].lacks
+
+
+def test_what_is_wrong_with_a_drive_is_no_reason(desk: Desk) -> None:
+    """A drive that is wrong itself lacks no kind for it: hardware identifier 0 is never valid."""
+    text = PLANT.replace("hardware_id: 270", "hardware_id: 0")
+    assert not offers(desk, text, "axis")["read"].lacks
+
+
+def test_a_drive_of_a_unit(desk: Desk) -> None:
+    """It is tried with its unit; a parameter that it is not known to have is defined where the drive stands."""
+    text = (
+        "plc: {name: A, family: s7-1500, toolchain: tia-v19}\n"
+        "units:\n  cabinet:\n    device: profidrive\n    drives:\n      one: {drive_object: 1, hardware_id: 270}\n"
+    )
+    assert not offers(desk, text, "one")["read"].lacks
+    given = {"key": "it", "drive": "one", "kind": "write", "parameter": "P1120", "type": "FloatingPoint"}
+    found = made(desk, text, "job", **given)
+    assert "one: {drive_object: 1, hardware_id: 270, parameters: {P1120: {type: FloatingPoint}}}" in found
+    assert errors(found, desk.folder) == []
+
+
+def test_a_number_is_asked_for(desk: Desk) -> None:
+    """A drive of another maker whose profile has nothing to write: the reason says what to type."""
+    with pytest.raises(DiagnosticError, match="no parameter for such a job") as refused:
+        made(desk, PLANT, "job", key="it", drive="maker", kind="write")
+    assert "number and its type" in refused.value.diagnostics[0].help
+
+
+@pytest.mark.parametrize(
+    ("what", "given", "old", "new"),
+    [
+        ("cycle", {"job": "jobs/ramps", "cycle": "500ms"}, "    write: {P1120: 5.0}  # s\n",
+         "    write: {P1120: 5.0}  # s\n    cycle: 500ms\n"),
+        ("cycle", {"job": "jobs/speed", "cycle": "10s"}, "cycle: 1s", "cycle: 10s"),
+        ("drive", {"key": "fan", "device": "sinamics-g120", "address": "16#110"},
+         "hardware_id: 271}\n",
+         "hardware_id: 271}\n  fan: {device: sinamics-g120, hardware_id: 16#110, drive_object: 1}\n"),
+        ("recipe", {"key": "glue", "drive": "axis"}, "# the end\n",
+         f"# the end\n\nrecipes:\n  glue: {GLUE}\n"),
+        ("station", {"key": "well", "address": "3", "cpu": "224"}, "# the end\n",
+         f"# the end\n\nppi:\n  line: {LINE}\n"),
+        ("job", {"key": "it", "drive": "axis", "kind": "save"}, "cycle: 1s}\n",
+         "cycle: 1s}\n  it: {drive: axis, save: drive_object}\n"),
+    ],
+)  # fmt: skip
+def test_what_is_put_in(what: str, given: dict[str, str], old: str, new: str, desk: Desk) -> None:
+    """The new text stands in its section; everything else, comments among it, is as it was."""
+    assert PLANT.count(old) == 1
+    assert made(desk, PLANT, what, **given) == PLANT.replace(old, new)
+
+
+def test_recipes_and_stations_are_specs(desk: Desk) -> None:
+    """A recipe with a job of each kind that takes one, a parameter more in it; a second station with its jobs."""
+    text = made(desk, PLANT, "job", key="set_it", drive="axis", kind="recipe")
+    for kind in ("read_recipe", "compare_recipe"):
+        text = made(desk, text, "job", key=kind, drive="axis", kind=kind)
+    text = made(desk, text, "parameter", job="recipes/material", parameter="P1121")
+    assert "parameters: [P1120, P1121]" in text
+    assert text.count("recipes:") == 1
+    text = made(desk, text, "station", key="well")
+    text = made(desk, text, "station", key="tank", line="line", address="3")
+    for kind, one in offers(desk, text, "line/tank").items():
+        assert not one.lacks
+        text = made(desk, text, "job", key=f"tank_{kind}", station="line/tank", kind=kind)
+    assert errors(text, desk.folder) == []
+
+
+def test_one_step_back(desk: Desk) -> None:
+    """One edit for what is put in, and its place is that of the new text alone: undo takes back nothing else."""
+    document, _, _ = desk.open(PLANT)
+    (edit,) = put_in(desk.workspace.specs.state(document), "cycle", {"job": "jobs/ramps", "cycle": "2s"})
+    assert (edit.span.line, edit.span.end_line, edit.text) == (12, 12, "    cycle: 2s\n")
+
+
+@pytest.mark.parametrize(
+    ("what", "given", "said"),
+    [
+        ("drive", {"key": "1a"}, "no name"),
+        ("drive", {"key": "a", "device": "sinamics-s120", "address": "here"}, "no address"),
+        ("drive", {"key": "a", "device": "none"}, "none"),
+        ("drive", {"key": "axis", "device": "sinamics-s120"}, "already"),
+        ("job", {"key": "a", "drive": "nobody", "kind": "read"}, "no drive or station"),
+        ("job", {"key": "a", "drive": "axis", "kind": "read", "cycle": "soon"}, "no time"),
+        ("parameter", {"job": "recipes/none", "parameter": "P1"}, "no list"),
+        ("cycle", {"job": "jobs/ramps", "cycle": "1"}, "no time"),
+    ],
+)
+def test_what_is_refused(what: str, given: dict[str, str], said: str, desk: Desk) -> None:
+    """With a reason, and nothing is changed."""
+    with pytest.raises(DiagnosticError, match=said):
+        made(desk, PLANT, what, **given)
