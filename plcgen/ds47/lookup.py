@@ -45,12 +45,16 @@ def message_page(text: str, device: str = "") -> Page | None:
 
 
 def _message_section(message: Message, *, alone: bool) -> tuple[str, str]:
+    where = "Meaning" if alone else "; ".join(text for family, text in FAMILIES.items() if family in message.families)
+    return where, "\n".join(message_lines(message))
+
+
+def message_lines(message: Message) -> list[str]:
+    """What is known of a message: kind and title, class, reaction, how it is acknowledged."""
     also = f", can be set to {' or '.join(KINDS[one] for one in message.also)}" if message.also else ""
     lines = [f"{KINDS[message.kind]}{also}: {message.title}", f"class: {message.message_class}"]
     lines += [f"reaction: {message.reaction}"] if message.reaction else []
-    lines += [f"acknowledge: {message.acknowledge}"] if message.acknowledge else []
-    where = "Meaning" if alone else "; ".join(text for family, text in FAMILIES.items() if family in message.families)
-    return where, "\n".join(lines)
+    return lines + ([f"acknowledge: {message.acknowledge}"] if message.acknowledge else [])
 
 
 _PARAMETER = re.compile(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -13,13 +13,11 @@ from plcgen.workbench.serve.room import Room, wrong
 from plcgen.workbench.service.documents import Document as Opened
 from plcgen.workbench.service.positions import from_units, to_units
 from plcgen.workbench.service.results import Edit, Finding
-from plcgen.workbench.service.specs.drives import drives_at, in_full, in_short, known_drive, spelled
+from plcgen.workbench.service.specs.drives import drives_at, known_drive
 from plcgen.workbench.service.specs.jobs import drive_forms, job_offers
+from plcgen.workbench.service.specs.search import search as searched
 from plcgen.workbench.service.specs.state import SpecState
 from plcgen.workbench.starter import ppi_starter, starter
-
-MOST = 60
-"""Parameters that a search shows."""
 
 
 def problem_data(diagnostic: Diagnostic, rename: Callable[[str], str] = str) -> dict[str, Any]:
@@ -92,37 +90,9 @@ def _of(state: SpecState, path: Sequence[str | int]) -> list[str]:
 
 
 def search(state: SpecState, job: str, words: str) -> dict[str, Any]:
-    """Parameters of the drives of a job (of all drives without one), by number, name or words of the title."""
-    keys = [key for _, key in state.names("drives")]
-    known = drives_at(state, ("jobs", job)) if job else [drive for key in keys if (drive := known_drive(state, key))]
-    rows: dict[int, dict[str, Any]] = {}
-    for drive in known:
-        for one in drive.matching(words.strip()):
-            if len(rows) >= MOST:
-                break
-            danger = drive.device.danger(one.pnu) if "w" in one.access else ""
-            rows.setdefault(
-                one.pnu,
-                {
-                    "parameter": spelled(one),
-                    "text": in_short(one),
-                    "device": drive.device.key,
-                    "writable": "w" in one.access,
-                    "danger": danger,
-                    "facts": [list(fact) for fact in in_full(one)],
-                },
-            )
-    return {"parameters": list(rows.values()), "messages": list(_messages(words, known)), "more": len(rows) >= MOST}
-
-
-def _messages(words: str, known: Iterable[Any]) -> Iterator[dict[str, str]]:
-    """The message of a number such as F30001, of each device of the spec."""
-    from plcgen.ds47.lookup import message_page
-
-    for key in dict.fromkeys(drive.device.key for drive in known):
-        page = message_page(words.strip(), key)
-        if page is not None:
-            yield {"key": page.key, "title": page.title, "device": key, "text": "\n".join(page.sections[0])}
+    """Parameters and messages of the drives of a job or recipe (``jobs/ramps``), or of all drives without one."""
+    place = job.split("/") if "/" in job or not job else ["jobs", job]
+    return asdict(searched(state, [part for part in place if part], words))
 
 
 def kinds(state: SpecState, partner: str) -> list[dict[str, Any]]:
