@@ -31,7 +31,7 @@ jobs:
 """
 
 GLUE = "{parameters: [P1120], records: {copper: {P1120: 5.0}, steel: {P1120: 10.0}}}"
-STATIONS, READS = "{well: {address: 3, cpu: 224}}", "{read_well: {station: well, read: [VW100]}}"
+STATIONS, READS = '{well: {address: 3, cpu: "224"}}', "{read_well: {station: well, read: [VW100]}}"
 LINE = f"{{module: cm1241, port: 270, stations: {STATIONS}, jobs: {READS}}}"
 
 
@@ -140,6 +140,10 @@ def test_a_number_is_asked_for(desk: Desk) -> None:
          f"# the end\n\nrecipes:\n  glue: {GLUE}\n"),
         ("station", {"key": "well", "address": "3", "cpu": "224"}, "# the end\n",
          f"# the end\n\nppi:\n  line: {LINE}\n"),
+        ("station", {"line": "bus", "key": "well", "port": "16#10F"}, "# the end\n",
+         f"# the end\n\nppi:\n  bus: {LINE.replace('270', '16#10F').replace(STATIONS, '{well: {address: 2}}')}\n"),
+        ("job", {"key": "it", "drive": "axis", "kind": "acknowledge", "trigger": "M50.0"}, "cycle: 1s}\n",
+         "cycle: 1s}\n  it: {drive: axis, acknowledge: true, trigger: M50.0}\n"),
         ("job", {"key": "it", "drive": "axis", "kind": "save"}, "cycle: 1s}\n",
          "cycle: 1s}\n  it: {drive: axis, save: drive_object}\n"),
     ],
@@ -152,7 +156,7 @@ def test_what_is_put_in(what: str, given: dict[str, str], old: str, new: str, de
 
 def test_recipes_and_stations_are_specs(desk: Desk) -> None:
     """A recipe with a job of each kind that takes one, a parameter more in it; a second station with its jobs."""
-    text = made(desk, PLANT, "job", key="set_it", drive="axis", kind="recipe")
+    text = made(desk, PLANT, "job", key="set_it", drive="axis", kind="write_recipe")
     for kind in ("read_recipe", "compare_recipe"):
         text = made(desk, text, "job", key=kind, drive="axis", kind=kind)
     text = made(desk, text, "parameter", job="recipes/material", parameter="P1121")
@@ -184,6 +188,8 @@ def test_one_step_back(desk: Desk) -> None:
         ("job", {"key": "a", "drive": "axis", "kind": "read", "cycle": "soon"}, "no time"),
         ("parameter", {"job": "recipes/none", "parameter": "P1"}, "no list"),
         ("cycle", {"job": "jobs/ramps", "cycle": "1"}, "no time"),
+        ("job", {"key": "a", "drive": "axis", "kind": "read", "trigger": "M1.0}\n"}, "cannot be put in"),
+        ("parameter", {"job": "jobs/speed", "parameter": "r1, r2"}, "cannot be put in"),
     ],
 )
 def test_what_is_refused(what: str, given: dict[str, str], said: str, desk: Desk) -> None:

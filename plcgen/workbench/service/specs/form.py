@@ -26,6 +26,8 @@ Given = Mapping[str, str]
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,23}\Z")
 _ADDRESS = re.compile(r"[0-9]{1,5}\Z|16#[0-9A-Fa-f]{1,4}\Z")
 _TIME = re.compile(r"[0-9]+(?:ms|s|min|h)\Z")
+_WORD = re.compile(r"[\w.%\[\]-]{1,60}\Z")
+"""What goes into a line of YAML as it was typed."""
 
 
 def put_in(state: SpecState, what: str, given: Given) -> tuple[Edit, ...]:
@@ -33,19 +35,21 @@ def put_in(state: SpecState, what: str, given: Given) -> tuple[Edit, ...]:
 
     ``what`` and what is ``given`` for it, all as text:
 
-    ``drive``: key, device, address, drive_object. ``job``: key, kind, and drive, or station as ``line/station``; cycle;
-    parameter and type where the kind asks for one; recipe where it names one. ``parameter``: job as the keys to it with
-    ``/`` between (``jobs/ramps``, ``recipes/material``), parameter, access (read, write), type. ``cycle``: job, cycle.
-    ``recipe``: key, drive, parameter. ``station``: line, key, address, cpu.
+    ``drive``: key, device, address, drive_object. ``job``: key, kind, and drive, or station as ``line/station``; cycle
+    or trigger; parameter and type where the kind asks for one; recipe where it names one. ``parameter``: job as the
+    keys to it with ``/`` between (``jobs/ramps``, ``recipes/material``), parameter, access (read, write), type.
+    ``cycle``: job, cycle. ``recipe``: key, drive, parameter. ``station``: line, key, address, cpu, and port of a line
+    that begins with it.
 
     Raises:
         DiagnosticError: why that cannot be done.
     """
-    return difference(state.document, _PUTS[what](state, _entries(state), given))
-
-
-def _entries(state: SpecState) -> Entries:
-    return Entries(state.document.text, state.document.file)
+    for key in ("parameter", "type", "trigger", "recipe", "line", "cpu"):
+        word = given.get(key, "").strip()
+        if word and not _WORD.match(word):
+            raise refused(state.document.file, f'"{word}" cannot be put in as {key}', "write it into the text")
+    entries = Entries(state.document.text, state.document.file)
+    return difference(state.document, _PUTS[what](state, entries, given))
 
 
 def _key(state: SpecState, given: Given) -> str:
@@ -63,10 +67,10 @@ def _address(state: SpecState, given: Given, default: str) -> str:
     return address
 
 
-def _is_classic(state: SpecState) -> bool:
-    root = None if state.composed is None else state.composed.root.get("plc")
-    family = None if root is None else root.get("family")
-    return family is not None and family.raw in {"s7-300", "s7-400"}
+def _family(state: SpecState) -> str:
+    plc = None if state.composed is None else state.composed.root.get("plc")
+    family = None if plc is None else plc.get("family")
+    return "" if family is None else family.raw
 
 
 def _drive(state: SpecState, entries: Entries, given: Given) -> str:
@@ -78,9 +82,9 @@ def _drive(state: SpecState, entries: Entries, given: Given) -> str:
     number = given.get("drive_object", "").strip() or str(device.drive_object)
     if not number.isdecimal():
         raise refused(file, f'"{number}" is no number of a drive object', device.drive_object_rule)
-    where = "address" if _is_classic(state) else "hardware_id"
-    address = _address(state, given, "256" if _is_classic(state) else "270")
-    return entries.add(["drives"], key, f"{{device: {given['device']}, {where}: {address}, drive_object: {number}}}")
+    where, usual = ("address", "256") if _family(state) in {"s7-300", "s7-400"} else ("hardware_id", "270")
+    place = f"{where}: {_address(state, given, usual)}"
+    return entries.add(["drives"], key, f"{{device: {given['device']}, {place}, drive_object: {number}}}")
 
 
 def _job(state: SpecState, entries: Entries, given: Given) -> str:
@@ -93,7 +97,7 @@ def _job(state: SpecState, entries: Entries, given: Given) -> str:
     if offer.lacks:
         raise refused(file, offer.lacks, offer.help)
     line, slash, station = partner.partition("/")
-    body, cycle = offer.text, _cycle(state, given)
+    body, cycle, trigger = offer.text, _cycle(state, given), given.get("trigger", "").strip()
     if f": {RECIPE}" in body:
         name = given.get("recipe", "").strip() or next((name for _, name in state.names("recipes")), RECIPE)
         body = body.replace(RECIPE, name)
@@ -101,7 +105,7 @@ def _job(state: SpecState, entries: Entries, given: Given) -> str:
             entries = entries.then(_recipe(state, entries, {**given, "key": name, "drive": partner}))
     elif offer.asks:
         body, entries = _asked(state, entries, body, given)
-    body = f"{body}, cycle: {cycle}" if cycle else body
+    body += f", cycle: {cycle}" if cycle else f", trigger: {trigger}" if trigger else ""
     if slash:
         return entries.add(["ppi", line, "jobs"], key, f"{{station: {station}, {body}}}")
     return entries.add(["jobs"], key, f"{{drive: {partner}, {body}}}")
@@ -175,12 +179,14 @@ def _station(state: SpecState, entries: Entries, given: Given) -> str:
     key, line = _key(state, given), given.get("line", "").strip() or "line"
     address = _address(state, given, "2")
     cpu = given.get("cpu", "").strip()
-    body = f"{{address: {address}{f', cpu: {cpu}' if cpu else ''}}}"
+    body = f"{{address: {address}" + (f', cpu: "{cpu}"}}' if cpu else "}")
     if line in {name for _, name in state.names("ppi")}:
         return entries.add(["ppi", line, "stations"], key, body)
-    family = state.sketch.value("plc", "family")
+    module = ppi_module(_family(state))
+    if given.get("port", "").strip():
+        module = f"{module.rpartition(':')[0]}: {_address(state, {'address': given['port']}, '')}"
     job = f"jobs: {{read_{key}: {{station: {key}, read: [VW100]}}}}"
-    return entries.add(["ppi"], line, f"{{{ppi_module(family)}, stations: {{{key}: {body}}}, {job}}}")
+    return entries.add(["ppi"], line, f"{{{module}, stations: {{{key}: {body}}}, {job}}}")
 
 
 _PUTS: Mapping[str, Callable[[SpecState, Entries, Given], str]] = {

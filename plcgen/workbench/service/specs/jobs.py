@@ -172,7 +172,10 @@ def drive_forms() -> tuple[JobForm, ...]:
     written = dict(_MORE)
     for name, lines in KINDS.items():
         parts = [line.partition(" | ") for line in lines.split("\n")]
-        written[name] = ", ".join(body for body, _, _ in parts), next((said for _, _, said in parts if said), "")
+        written["write_recipe" if name == "recipe" else name] = (
+            ", ".join(body for body, _, _ in parts),
+            next((said for _, _, said in parts if said), ""),
+        )
     used = {text.partition(":")[0] for text, _ in written.values()}
     written |= {key: (kind.example, kind.description) for key, kind in known.items() if key not in used}
     return tuple(_form(name, text, said, known[text.partition(":")[0]]) for name, (text, said) in written.items())
