@@ -25,7 +25,17 @@ from tests.engine.answer_faults import answer_faults, error_matrix
 from tests.engine.argued import ARGUED, argued
 from tests.engine.conduct import EngineConduct
 from tests.engine.copies import copies
-from tests.engine.errands import MATRIX, READ_PINNED, READ_SPLIT, TRIGGER, WRITE_PINNED, Errand, every_format, full
+from tests.engine.errands import (
+    MATRIX,
+    READ_OPEN,
+    READ_PINNED,
+    READ_SPLIT,
+    TRIGGER,
+    WRITE_PINNED,
+    Errand,
+    every_format,
+    full,
+)
 from tests.engine.field import JobField
 from tests.engine.formats import formats
 from tests.engine.interrupts import interrupts
@@ -103,7 +113,7 @@ class EngineWork:
         if piece.errand is not None:
             return run_faults(self.engine, piece.errand, on_edge=piece.group == "edges")
         result = Result(statistics=Statistics(runs=1))
-        errands = [*MATRIX, READ_PINNED, WRITE_PINNED]
+        errands = [*MATRIX, READ_OPEN, READ_PINNED, WRITE_PINNED]
         if piece.group == "formats":
             size = self.engine.sizes.last + 1
             errands += [*every_format(size), *full(size, self.engine.sizes.blocks)]

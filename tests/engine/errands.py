@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from plcgen.ds47.sim.behaviour import Behaviour
 from plcgen.ds47.sim.drive import Drive
@@ -17,11 +17,15 @@ REAL, BYTES, WORDS16, LONG = (by_name(name) for name in ("FloatingPoint", "Unsig
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """One parameter of a telegram: number, format, number of values from subindex 0 on."""
+    """One parameter of a telegram: number, format, number of values from subindex 0 on.
+
+    ``most``: its type comes from the answer, and so many bytes of values are kept; 0 if the type is known.
+    """
 
     pnu: int
     format: Format
     count: int = 1
+    most: int = 0
 
     @property
     def size(self) -> int:
@@ -31,7 +35,12 @@ class Wanted:
     @property
     def expectation(self) -> int:
         """What the job tells the channel: 16#ttnn00bb, type, number of values, bytes."""
-        return self.format.code << 24 | self.count << 16 | self.size
+        return (0 if self.most else self.format.code) << 24 | self.count << 16 | self.room
+
+    @property
+    def room(self) -> int:
+        """Bytes of the values that are kept in an answer."""
+        return self.most or self.size
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,14 +64,14 @@ class Letter:
     @property
     def answer(self) -> int:
         """Bytes of a good answer."""
-        return HEADER if self.writes else HEADER + sum(2 + padded(part.size) for part in self.parts)
+        return HEADER if self.writes else HEADER + sum(2 + padded(part.room) for part in self.parts)
 
     @property
     def blocks(self) -> list[tuple[int, int]]:
         """First byte and length of every value block of a good answer to a request."""
         found, at = [], HEADER
         for part in self.parts:
-            size = 2 + padded(part.size)
+            size = 2 + padded(part.room)
             found.append((at, size))
             at += size
         return found
@@ -101,6 +110,7 @@ THREE = (Wanted(1120, REAL), Wanted(1121, BYTES, 3), Wanted(1122, WORDS16, 2))
 REST = (Wanted(1123, LONG), Wanted(1124, BYTES))
 READ_ONE = Errand("read one", (Letter(writes=False, parts=ONE),))
 WRITE_ONE = Errand("write one", (Letter(writes=True, parts=ONE),))
+READ_OPEN = Errand("read without types", (Letter(writes=False, parts=tuple(replace(part, most=8) for part in THREE)),))
 READ_SPLIT = Errand("read in two telegrams", (Letter(writes=False, parts=THREE), Letter(writes=False, parts=REST)))
 WRITE_SPLIT = Errand("write in two telegrams", (Letter(writes=True, parts=THREE), Letter(writes=True, parts=REST)))
 TRIGGER = Errand("trigger", (Letter(writes=True, parts=(Wanted(1125, BYTES),)),), once=True)

@@ -14,6 +14,7 @@ from tests.engine.conduct import EngineConduct
 from tests.engine.end import following
 from tests.engine.errands import (
     READ_ONE,
+    READ_OPEN,
     READ_PINNED,
     WRITE_ONE,
     WRITE_PINNED,
@@ -23,6 +24,7 @@ from tests.engine.errands import (
     full,
 )
 from tests.engine.field import JobField
+from tests.engine.open_answers import open_answers
 from tests.engine.partner import STATE_CONFLICT
 from tests.engine.scenario import CALLS, EngineScenario
 from tests.engine.stimulus import WRONG_UNIT_DB
@@ -37,6 +39,7 @@ def formats(*, classic: bool, many: bool = False) -> Iterator[tuple[str, Run]]:
     yield "reads and writes of every format", _every_format
     yield "every type instead of every other of its size", _other_types
     yield "integers in wider formats", _wider
+    yield "types that come from the answer", _open
     yield "full records, all parameters, the last slot", _full
     yield "telegrams in data blocks of their own", _pinned
     yield f"{ROW} jobs in a row", _row
@@ -87,6 +90,12 @@ def _wider(field: JobField) -> None:
             letter = reads.letters[0]
             errand = Errand(reads.key, (letter,))
             _run(field, errand, *wider_integers(AnswerForm(errand, 1, letter, room)))
+
+
+def _open(field: JobField) -> None:
+    """What is asked for without a type."""
+    _run(field, READ_OPEN, EngineScenario(name="as it is"), EngineScenario(name="by size", generic=True))
+    _run(field, READ_OPEN, *open_answers())
 
 
 def _full(field: JobField) -> None:

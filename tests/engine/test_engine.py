@@ -25,7 +25,7 @@ from tests.engine import folders
 from tests.engine.__main__ import dialect_of
 from tests.engine.argued import ARGUED, argued
 from tests.engine.checks import GROUPS, EngineWork, coverage_checks, run_faults
-from tests.engine.errands import MATRIX, READ_ONE, READ_SPLIT, WRITE_ONE, WRITE_SPLIT
+from tests.engine.errands import MATRIX, READ_ONE, READ_OPEN, READ_SPLIT, WRITE_ONE, WRITE_SPLIT
 from tests.engine.field import JobField
 from tests.engine.interrupts import interrupts
 from tests.engine.sources import DriveEngine
@@ -309,6 +309,24 @@ MISSING = {
         "ELSE\n      #tempUsed := #tempUsed + 2;",
         "2 places for three channels, called in the order (1, 2, 3, 4, 5, 8, 9)",
     ),
+    "more than there is room for is taken": (
+        "t15",
+        "#tempSize <= #tempWanted)",
+        "#tempSize <= 2 * #tempWanted)",
+        "types that come from the answer",
+    ),
+    "no value is taken for one": (
+        "t3",
+        "#tempSize > 0 AND #tempSize <= #tempWanted",
+        "#tempSize <= #tempWanted",
+        "types that come from the answer",
+    ),
+    "an unknown type is taken": (
+        "t15",
+        "NOT #tempUnknown AND #tempCount = ",
+        "#tempCount = ",
+        "types that come from the answer",
+    ),
     "places count beyond 30,000": ("t3", "#statAsk MOD 30000 + 1", "#statAsk MOD 30001 + 1", "counters wrap"),
 }
 
@@ -428,6 +446,29 @@ ERROR = bytes.fromhex("44 02 00 11 00 07")
 def test_what_an_answer_means(came: bytes, word: str, errors: list[int], infos: list[int]) -> None:
     found = judge(THREE, REQUEST, came)
     assert (found.word, found.errors, found.infos) == (word, errors, infos)
+
+
+@pytest.mark.parametrize(
+    ("first", "word", "error", "info", "taken"),
+    [
+        ("0801 41200000", "DONE", 0, 0, True),
+        ("0601 0007", "DONE", 0, 0, True),  # whatever the type is
+        ("2301 8001", "DONE", 0, 0, True),
+        ("0F01 3FF0000000000000", "DONE", 0, 0, True),  # 8 bytes: all there is room for
+        ("0802 41200000 41200000", "RESPONSE_FORMAT", 0x8108, 2, False),
+        ("4001", "RESPONSE_FORMAT", 0x8140, 1, False),
+        ("4400", "RESPONSE_FORMAT", 0xFFFF, 0, False),
+    ],
+)
+def test_what_an_answer_without_a_type_means(first: str, word: str, error: int, info: int, *, taken: bool) -> None:
+    """It goes on with the second block where the first one ends."""
+    block = bytes.fromhex(first)
+    found = judge(READ_OPEN.letters[0], REQUEST, answer(block, BYTES, INTS))
+    assert (found.word, found.errors[0], found.infos[0]) == (word, error, info)
+    assert (found.taken[0] == block) is taken
+    assert found.errors[1:] == [0xFFFF if error == 0xFFFF else 0] * 2
+    assert [part.expectation for part in READ_OPEN.letters[0].parts] == [0x00010008, 0x00030008, 0x00020008]
+    assert READ_OPEN.letters[0].blocks == [(4, 10), (14, 10), (24, 10)]
 
 
 def test_a_change_has_no_values_in_its_answer() -> None:

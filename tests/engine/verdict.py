@@ -130,7 +130,10 @@ def _one(verdict: Verdict, number: int, part: Wanted, block: bytes, *, writes: b
     narrow: bytes | None = (
         None if writes or count != part.count or code not in {WORD, DOUBLE_WORD} else _narrow(part, values)
     )
-    if (count, len(values)) == wanted[1:] and (older in same or (not writes and BYTE <= code <= DOUBLE_WORD)):
+    fits = (count, len(values)) == wanted[1:] and (older in same or (not writes and BYTE <= code <= DOUBLE_WORD))
+    if part.most:  # the type is the one that came
+        fits, narrow = code != ZERO and count == part.count and len(values) <= part.most, None
+    if fits:
         verdict.errors[number], verdict.taken[number] = 0, block
     elif narrow is not None:
         verdict.errors[number], verdict.taken[number] = 0, block[:2] + narrow

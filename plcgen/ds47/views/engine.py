@@ -83,7 +83,7 @@ def _unit(plan: DrivePlan) -> list[Row]:
         (
             "expected",
             f"1..{blocks} of DWORD",
-            "per parameter that is read: 16#ttnn00bb = type, number of values, bytes",
+            "per parameter that is read: 16#ttnn00bb = type (00 = any), number of values, bytes",
         ),
         ("order", f'"{engine.order.name}"', "what goes with the request"),
         ("turn", f'"{engine.turn.name}"', "what the channel says to all jobs"),
