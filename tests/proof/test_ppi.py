@@ -144,6 +144,11 @@ DAMAGE: dict[str, tuple[str, str]] = {
     ),
     "a retentive instance keeps the settings over a restart": ("#statConfigured := FALSE;  // the", ";  // the"),
     "a retentive instance goes on with a job": ("    #statPhase[#tempIndex] := #PHASE_IDLE;", "    ;"),
+    "a block of the module begins in the call after a restart": ("#statReq := FALSE;\n  #statEnded", "#statEnded"),
+    "a restart in a read that tells the frame count bit": (
+        '#tempRestart := "MQSync_Request".telegram.pduReference = W#16#0000;',
+        ";",
+    ),
     "REQ stays over a restart": ("#statEnded := TRUE;  // no", ";  // no"),
     "an input is read when the telegram is built": (
         "WORD_TO_BYTE(SHR(IN := #statWriteVw200, N := 8))",

@@ -26,7 +26,8 @@ SLOW = range(2, 9)
 class Repeats:
     """A scenario in which execute stays: the job runs again.
 
-    ``taken``: from the end on another job has the unit for so many ms. ``away``: the drive is not there for the next
+    ``taken``: from the end on another job has the unit for so many ms, with ``late`` from the call on in which the
+    cycle is over. ``away``: the drive is not there for the next
     runs, until the values are too old, and comes back. ``given_up``: another instance has asked in vain and is not
     called any more. ``stopped``: execute falls, and for two cycles nothing happens. ``slow``: the run itself takes
     longer than a cycle, as ``SLOW`` scans of half a cycle each are in it, or a whole one.
@@ -34,6 +35,7 @@ class Repeats:
 
     goes_on: bool = False
     taken: int = 0
+    late: bool = False
     away: bool = False
     given_up: bool = False
     slow: bool = False

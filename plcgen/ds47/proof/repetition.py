@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from plcgen.ds47.proof.cycles import AGE, SLOW, Repeats, oldest_valid, slow_scan
+from plcgen.ds47.proof.cycles import AGE, SINCE, SLOW, Repeats, oldest_valid, slow_scan
 from plcgen.ds47.proof.rig import WAIT_LIMIT_MS, JobRig
 from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.proof.runner import Run
@@ -38,6 +38,8 @@ class Repetition:
         if asked.given_up:
             rig.give_up()
         if asked.taken:
+            if asked.late:
+                self.almost()
             self.another_job(asked.taken)
         elif asked.goes_on:
             self.ends(self.next_start())
@@ -104,6 +106,11 @@ class Repetition:
             raise ScenarioError(f"another run ends with 16#{self.run.seen[-1]:04X}")
         if self.rig.delivered() != self.values:
             raise ScenarioError("another run has other values, though the drive has the same")
+
+    def almost(self) -> None:
+        """Until the cycle is over in the next call."""
+        while self.rig.db.get(SINCE) + self.length < self.rig.job.cycle:
+            self.call()
 
     def another_job(self, taken: int) -> None:
         """Another job gets the unit and keeps it: it goes first, for one cycle."""

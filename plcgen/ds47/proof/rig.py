@@ -8,7 +8,7 @@ from plcgen.ds47.plan.access import Part, Running, Verify
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram
 from plcgen.ds47.proof import clock_input, message_lists
 from plcgen.ds47.proof.contents import ValueSet, held, kept, piece, value_set
-from plcgen.ds47.proof.cycles import cycle_signals
+from plcgen.ds47.proof.cycles import SINCE, cycle_signals
 from plcgen.ds47.proof.partner import ScriptedDrive
 from plcgen.ds47.proof.records import NUMBER, Records, recipe_signals
 from plcgen.ds47.proof.restoration import CAUSE
@@ -77,7 +77,7 @@ class JobRig:
         paths += ["job.statStep"] if job.waits else []
         paths += [f"job.{CAUSE}"] if job.restores else []
         paths += [f"job.{name}" for name in recipe_signals(job)]
-        paths += [f"job.{name}" for name in cycle_signals(job)]
+        paths += [f"job.{name}" for name in (*cycle_signals(job), *([SINCE] if job.cycle else []))]
         paths += [f"job.{bit.member}" for _, bit in job.shown_bits]
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
         self.records = Records(job, self.db, "jobRecords", 1) if job.recipe is not None else None

@@ -119,6 +119,7 @@ def test_without_execute_nothing_is_asked(plant: Plant, journal: list[tuple[int,
 DAMAGE = {
     "another cycle": ("CYCLE : DInt := L#1000", "CYCLE : DInt := L#1200"),
     "others do not go first": ("THEN #tempFree := FALSE; END_IF;", "THEN #tempFree := TRUE; END_IF;"),
+    "who only asks does not go first": ("THEN #tempFree := FALSE; END_IF;", "THEN ; END_IF;"),
     "it waits for whoever has given up": ("want <> #unit.ended[#tempIndex] THEN #temp", "want > 0 THEN #temp"),
     "a job that has the unit counts as nobody": ("#tempFree := #tempTurn.grant = L#0;", "#tempFree := TRUE;"),
     "it lets others go first for ever": ("IF #tempFree OR #statSince >= #CYCLE_WAITS THEN", "IF #tempFree THEN"),

@@ -17,6 +17,7 @@ def repeating(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     for name, repeats in (
         ("the job runs again", Repeats(goes_on=True, stopped=True)),
         ("another job has the unit when the cycle is over", Repeats(taken=half)),
+        ("another job asks in the call in which the cycle is over", Repeats(taken=half, late=True)),
         ("another job keeps the unit for longer than a cycle", Repeats(taken=long)),
         ("another job has asked in vain and is not called any more", Repeats(goes_on=True, given_up=True)),
         ("the drive is lost and comes back", Repeats(away=True)),
