@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -11,36 +12,150 @@ from plcgen.ds47 import lists
 from plcgen.ds47.device import Parameter, device_hint
 from plcgen.ds47.devices import device_names, find_device
 from plcgen.ds47.types import read_type
-from tests.evidence import lists as tool
+from tests.evidence import parameters as tool
 
-_HEAD = "letter\tnumber\tindex\tbits\ttitle\ttype\tdynamic_index\taccess\tchangeable\tmin\tmax\tdefault\tunit\tscaling"
-_HEAD += "\tobjects\tsince\tnotes\tvalues\tbit_names\tindex_names"
+_OLD = """### {head}
+
+|  |  |  |
+| --- | --- | --- |
+| **Can be changed:**{changed} | **Calculated:**- | **Access level:**3 |
+| **Data type:**{type} | **Dynamic index:**{index} | **Func. diagram:** - |
+| **Object:**{objects} | **P-Group:**- | **Version:**5207320 |
+| **Not for motor type:**- | **Scaling:**- | **Expert list:**1 |
+| **Min** | **Max** | **Factory setting** |
+| {low} | {high} | {default} |
+
+**Description:**
+
+Toy.
+"""
+_NEW = """#### {head}
+
+| **Variant:**{variant} |  |  |
+| **Data type:**{type} | **Visible in:**Standard display |  |
+| **Can be changed in the operating state:**Operation |  |  |
+| **Dyn. index [0…n]:** - |  | **Calculated:** - |
+| **Unit:** {unit} | **Unit group:** - | **Unit selection:** - |
+| **Min:** | **Max:** | **Factory setting:** |
+| {low} [{unit}] | {high} [{unit}] | [0] {default} [{unit}] |
+
+**Value:**
+
+0:
+none &lt; 1
+{value}
+
+"""
 
 
-def _made(tmp_path: Path, *rows: str) -> list[dict[str, str]]:
-    path = tmp_path / "toy.tsv"
-    path.write_text("\n".join(["# Toy 5, list of parameters", _HEAD, *rows, ""]), "utf-8")
-    first, heading, *lines = tool.text(path).splitlines()
+def _made(*texts: str) -> list[dict[str, str]]:
+    """Lines of a list that are made from help as text."""
+    first, heading, *lines = tool.text("# Toy 5, list of parameters", "\n".join(texts)).splitlines()
     assert (first, heading) == ("# Toy 5, list of parameters", "\t".join(lists.COLUMNS))
-    return [dict(zip(lists.COLUMNS, line.split("\t"), strict=False)) for line in lines]
+    padded = (line.split("\t") + [""] * len(lists.COLUMNS) for line in lines)
+    return [dict(zip(lists.COLUMNS, line, strict=False)) for line in padded]
 
 
-def test_a_list_becomes_facts_by_number(tmp_path: Path) -> None:
+def _old(head: str, type_: str, index: str, objects: str, *limits: str, changed: str = "T") -> str:
+    low, high, default = limits
+    return _OLD.format(
+        head=head, type=type_, index=index, objects=objects, low=low, high=high, default=default, changed=changed
+    )
+
+
+def test_a_list_becomes_facts_by_number() -> None:
     """Types are those of the wire, limits decimal, a signal source is marked, function modules are left out."""
     rows = _made(
-        tmp_path,
-        "p\t1300\t0..n\t\tControl mode\tInteger16\tDDS\t2\tT\t0000 hex\t0013 hex\t0\t\t\tVECTOR, SERVO_AC\t2.6",
-        "p\t840\t0..n\t\tBI: ON\tUnsigned32 / Binary\tCDS\t3\tT\t\t\t722.0\t\t\tCU_S120_PN, SERVO (EPOS)\t2.6",
-        "r\t948\t0..63\t\tFault time\tUnsigned32\t\t3\t\t\t\t\tms\t\tAll objects (FBLOCKS)\t2.6",
-        "p\t7\t\t\tGain\tFloatingPoint32\t\t3\tT\t0.5\t3.4E99\t1.5 [ 1 ] 2\t\t\t\t2.6",
+        _old(
+            "p1300[0...n] Control mode",
+            "Integer16",
+            "DDS, p0180",
+            "VECTOR, SERVO_AC",
+            "0000 hex",
+            "0013 hex",
+            "[ 0 ] 0",
+        ),
+        _old("p0840[0...n] BI: ON", "Unsigned32 / Binary", "CDS, p0170", "CU_S120_PN, SERVO (EPOS)", "-", "-", "722.0"),
+        _old("r0948[0...63] Fault time", "Unsigned32", "-", "All objects (FBLOCKS)", "- [ms]", "- [ms]", "[ ] - [ms]"),
+        _old("p0007 Gain", "FloatingPoint32", "-", "-", "0.5 [1000 rpm]", "3.4E99 [1000 rpm]", "[ 0 ] 1.5 [ 1 ] 2"),
     )
     assert [row["number"] for row in rows] == ["7", "840", "948", "1300"]
     gain, signal, fault, mode = rows
-    assert (gain["type"], gain["min"], gain["max"], gain["default"]) == ("FloatingPoint", "0.5", "", "")
+    assert [gain[key] for key in ("type", "min", "max", "default", "unit")] == [
+        "FloatingPoint",
+        "0.5",
+        "",
+        "",
+        "1000 rpm",
+    ]
     assert (signal["type"], signal["bico"], signal["array"]) == ("Unsigned32", "bico", "CDS")
     assert signal["objects"] == "CU_S120 SERVO"
     assert (fault["type"], fault["array"], fault["objects"]) == ("TimeDifference", "64", "ALL")
+    assert (fault["unit"], fault["letter"], fault["title"]) == ("ms", "r", "Fault time")
     assert (mode["min"], mode["max"], mode["default"], mode["objects"]) == ("0", "19", "0", "VECTOR")
+
+
+def test_what_differs_between_variants_is_no_fact() -> None:
+    """Limits are the widest, names those of both; a unit and a factory setting that differ are left out."""
+    head = "p2573 Greatest deceleration"
+    linear = _NEW.format(
+        head=head, variant="Toy", type="Unsigned16", unit="mm/s²", low=1, high=20, default=4, value="1:\nm"
+    )
+    rotating = _NEW.format(
+        head=head, variant="Toy (rotating)", type="Unsigned16", unit="°/s²", low=0, high=9, default=5, value="2:\n°"
+    )
+    (row,) = _made(f"### {head}\n\n{linear}{rotating}## Page 2\n\nPage 2\n")
+    assert [row[key] for key in ("type", "min", "max", "unit", "default")] == ["Unsigned16", "0", "20", "", ""]
+    assert (row["title"], row["values"]) == ("Greatest deceleration", "0=none < 1; 1=m; 2=°")
+
+
+def test_variants_of_different_objects_are_lines_of_their_own() -> None:
+    """An object for which both speak gets what both say; one for which one speaks, what this one says."""
+    both = _old("", "Integer16", "-", "VECTOR, VECTOR_G", "0", "19", "[ 0 ] 0").replace("### ", "#### p1300 Mode")
+    module = _old("", "Integer16", "-", "VECTOR (n/M)", "0", "23", "[ 0 ] 20").replace("### ", "#### p1300 Mode")
+    rows = _made(f"### p1300 Mode\n\n{both}\n{module}")
+    assert [(row["objects"], row["max"], row["default"]) for row in rows] == [
+        ("VECTOR_G", "19", "0"),
+        ("VECTOR", "23", ""),
+    ]
+
+
+def test_no_cell_has_more_than_its_fact() -> None:
+    """No heading, no part of a table and no link of a page has become part of a name."""
+    lines = [line for path in lists.FOLDER.glob("*.tsv") for line in path.read_text("utf-8").splitlines()[2:]]
+    assert len(lines) > 14_000
+    assert [line for line in lines if re.search(r"##|\| |\*\*|\]\(|SINAMICS Parameter", line)] == []
+
+
+@pytest.mark.parametrize(
+    ("name", "number", "low", "high"),
+    [
+        ("s200_pn", 2573, "0.001", "2000000.0"),  # 0.001 to 2e6 mm/s²; 0.001 to 2e6 °/s² of a rotating axis
+        ("s210_fw6", 2573, "0.001", "2000000.0"),
+        ("vector", 1300, "0", "23"),  # 0 to 19, 0 to 23 with the function module for speed control
+        ("g220", 9530, "0.0", "100.0"),  # mm, or °
+    ],
+)
+def test_facts_hold_for_every_variant(name: str, number: int, low: str, high: str) -> None:
+    """As printed in the lists of the TIA Portal information system (V19)."""
+    said = next(one for one in lists.find(name, number) if not one.objects or "VECTOR" in one.objects).texts
+    assert [said[key] for key in ("min", "max", "unit")] == [low, high, ""]
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("Output value = -300 °C", "output_value_minus_300_deg_c"),
+        ("m/s²", "m_s2"),
+        ("µm", "um"),
+        ("Mode as for version < 4.5", "mode_as_for_version_below_4_5"),
+        ("SIEMENS telegram 370, PZD-1/1", "siemens_telegram_370_pzd_1_1"),
+        ("Operation --> r0021", "operation_r0021"),
+    ],
+)
+def test_a_name_keeps_what_decides(text: str, name: str) -> None:
+    """A sign that changes the meaning becomes a word."""
+    assert lists.value_name(text) == name
 
 
 @pytest.mark.parametrize(
@@ -101,14 +216,7 @@ _LISTS = {
     "sinamics-g220-clean-power": ("g220_clean_power",), "sinamics-s200": ("s200_pn",),
     "sinamics-s200-basic": ("s200_basic_pn",),
 }  # fmt: skip
-_WITH_MODULE = "the row has the values with the function module for speed control, the list those without"
-_WHY = {
-    **dict.fromkeys(
-        ((device, number) for device in ("sinamics-s150", "sinamics-g130", "sinamics-g150") for number in (1300, 1900)),
-        _WITH_MODULE,
-    ),
-    ("sinamics-s210", 980): "r0980 is printed for firmware 6.3, but in none of these lists",
-}
+_WHY = {("sinamics-s210", 980): "r0980 is printed for firmware 6.3, but in none of these lists"}
 """Rows that say something else than the lists, and why."""
 
 

@@ -12,7 +12,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
-PARTS = ("simaticml", "scl", "help", "effects", "lists")
+PARTS = ("simaticml", "scl", "help", "effects", "lists", "parameters")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

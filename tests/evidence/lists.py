@@ -1,8 +1,6 @@
-"""Lists of parameters as the package keeps them: one file for each, facts alone, made from a folder of lists.
+"""What lists print of a parameter, as the package keeps it; and its table of messages, from a folder of lists.
 
-``python -m tests.evidence LISTS --part lists --save`` makes ``plcgen/ds47/lists/<name>.tsv`` of every ``<name>.tsv``
-that is a list of parameters (docs/devices.md has the columns of both). Whether the help of an installed TIA Portal can
-be read directly has not been tried: the lists are its text as a public copy has it.
+``python -m tests.evidence LISTS --part lists --save`` makes the table of every ``messages_<name>.tsv``.
 """
 
 from __future__ import annotations
@@ -86,14 +84,6 @@ def kept(row: Mapping[str, str]) -> list[str]:
     ]  # fmt: skip
 
 
-def text(path: Path) -> str:
-    """The file of the package for a list: what it is, headings, and its parameters by number."""
-    rows = sorted((kept(row) for row in read_rows(path)), key=lambda one: int(one[0]))
-    with path.open(encoding="utf-8") as file:
-        head = file.readline().strip()
-    return "\n".join([head, "\t".join(lists.COLUMNS), *("\t".join(one).rstrip("\t") for one in rows), ""])
-
-
 GROUPS = {"cu230p": "CU230P", "cu240": "CU240", "cu250s": "CU250S", "g110m": "CU_G110M", "g115d": "G115D",
           "g120c": "G120C", "g120x": "G120X", "vector": r"VECTOR(_G)?\Z", "servo": r"SERVO\Z", "a_inf": r"[ASB]_INF\Z",
           "dc_ctrl": r"DC_CTRL\Z"}  # fmt: skip
@@ -139,15 +129,7 @@ def messages_text(folder: Path) -> str:
 
 
 def report(folder: Path, *, save: bool) -> Iterator[str]:
-    """How many parameters each list has; ``save`` writes the files."""
-    for path in sorted(folder.glob("*.tsv")):
-        if path.stem.startswith("messages"):
-            continue
-        made = text(path)
-        name = next((one for package, one in BY_PACKAGE.items() if package in made[:80]), path.stem)
-        if save:
-            (lists.FOLDER / f"{name}.tsv").write_text(made, "utf-8", newline="\n")
-        yield f"lists: {name:18} {made.count(chr(10)) - 2:5} parameters"
+    """How many meanings the lists of messages have; ``save`` writes the table."""
     made = messages_text(folder)
     if save:
         messages.TABLE.write_text(made, "utf-8", newline="\n")

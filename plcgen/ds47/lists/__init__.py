@@ -1,7 +1,7 @@
 """Whole lists of parameters: what the manufacturer prints of every number of a drive object, as facts.
 
 Each file names its list in the first line and has a line for each parameter, by number; a number can stand several
-times, for different drive objects. ``python -m tests.evidence LISTS --part lists --save`` makes them (docs/devices.md).
+times, for different drive objects. ``python -m tests.evidence HELP --part parameters --save`` makes them.
 """
 
 from __future__ import annotations
@@ -70,9 +70,21 @@ def source(name: str) -> str:
     return _text(name).partition("\n")[0].removeprefix("# ").removesuffix(", facts only")
 
 
+_SIGNS = [
+    (re.compile(sign), word)
+    for sign, word in (
+        ("²", "2"), ("³", "3"), ("[µμ]", "u"), ("°", " deg "), ("%", " percent "),
+        ("(?<![a-z0-9])-(?=[0-9])", " minus "), ("< ?(?=[0-9])", " below "), ("(?<!-)> ?(?=[0-9])", " above "),
+    )
+]  # fmt: skip
+"""What a name says in words: without it, -300 °C would be 300, m/s² m/s and µm m."""
+
+
 def value_name(text: str) -> str:
     """The name of a value as a spec writes it; empty if nothing is left."""
     text = text.lower().removesuffix(" - everything enabled")  # nothing is missing: the state itself
+    for sign, word in _SIGNS:
+        text = sign.sub(word, text)
     words = re.sub("[^a-z0-9]+", "_", text)[:64].strip("_")
     return words if words[:1].isalpha() and not re.fullmatch("[prc][0-9]+", words) else ""
 
