@@ -8,10 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from plcgen.s7.cpu.program import Program
 from plcgen.s7.cpu.sources import check_source
+from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.scl.instructions import parameters
 from plcgen.workbench.service import Document, Symbol
 from plcgen.workbench.service.sources import state as source_state
-from plcgen.workbench.service.sources.signatures import FUNCTIONS
 from tests.s7.sd_documents import PAIRS
 from tests.workbench.desk import Desk
 
@@ -167,11 +169,28 @@ def test_signatures(desk: Desk) -> None:
     assert shown(FB.replace("#i := #i + 1", "#i := |#i + 1")) == ("", 0)
 
 
-def test_known_parameters_are_those_that_the_soft_cpu_takes() -> None:
-    """The compiler of the soft CPU names the same parameters: LIMIT(MN, IN, MX), PEEK(AREA, DBNUMBER, BYTEOFFSET)."""
-    from plcgen.s7.cpu.compiler.functions import _TEXT_FUNCTIONS
+@pytest.mark.parametrize("name", sorted(parameters()))
+def test_parameters_of_the_table_are_those_that_the_soft_cpu_takes(name: str) -> None:
+    """A call with each of them by name is compiled; with another name in the place of the first it is refused."""
 
-    assert {name: FUNCTIONS[name] for name in _TEXT_FUNCTIONS} == _TEXT_FUNCTIONS
+    def refused(names: tuple[str, ...]) -> list[bool]:
+        call = f"{name}({', '.join(f'{one} := 1' for one in names)});"
+        source = f'FUNCTION "Probe" : VOID\nBEGIN\n{call}\nEND_FUNCTION\n'
+        targets = (Dialect.TIA_1200_1500, Dialect.TIA_300_400)
+        found = [Program.load([("probe.scl", source)], target).diagnostics for target in targets]
+        return [any(one.code == "PG822" for one in each) for each in found]
+
+    names = parameters()[name]
+    assert False in refused(names)
+    assert True in refused(("nonsense_", *names[1:]))
+
+
+def test_types_of_functions_are_shown(desk: Desk) -> None:
+    """What the table of the soft CPU says of each parameter; a type behind the name changes nothing."""
+    for name in ("NORM_X", "NORM_X_REAL"):
+        found = desk.workspace.signature(*desk.open(FB.replace("LIMIT(MN := 0.0", f"{name}(MIN := |0.0"), "mover.scl"))
+        assert found is not None
+        assert found.label == f"{name}(MIN := any type, VALUE := any type, MAX := any type)"
 
 
 def test_outline(desk: Desk) -> None:

@@ -1,8 +1,10 @@
 """Names of the functions that STEP 7 V5 and the TIA Portal bring along, in upper case.
 
 The table beside has the headings of the help of the TIA Portal V19 (en-US): "SCL" and "Extended instructions" of both
-families, with the chapter of each. The names below stand elsewhere: in the manuals of S7-SCL V5 and "System Software
-for S7-300/400, System and Standard Functions", or in the palettes of LAD. Conversions ``A_TO_B`` are not among them.
+families, with the chapter of each, and parameters of functions in the order in which they may be given without names,
+of those that take any number of inputs the first ones. The names below stand elsewhere: in the manuals of S7-SCL V5
+and "System Software for S7-300/400, System and Standard Functions", or in the palettes of LAD. Conversions ``A_TO_B``
+are not among them.
 """
 
 from __future__ import annotations
@@ -29,11 +31,22 @@ _OTHERS = frozenset(
 
 
 @cache
+def _columns(head: str) -> Mapping[str, str]:
+    """A column of the table: what is stated of each name."""
+    heads, *rows = (line.split("\t") for line in _TABLE.read_text(encoding="utf-8").splitlines())
+    column = heads.index(head)
+    return MappingProxyType({row[0]: row[column] for row in rows if row[column]})
+
+
 def documented(family: str) -> Mapping[str, str]:
     """Instructions of a family as the help spells them, each with its page and chapter: ``SCL: Move operations``."""
-    head, *rows = (line.split("\t") for line in _TABLE.read_text(encoding="utf-8").splitlines())
-    column = head.index(family)
-    return MappingProxyType({row[0]: row[column] for row in rows if row[column]})
+    return _columns(family)
+
+
+@cache
+def parameters() -> Mapping[str, tuple[str, ...]]:
+    """Parameters of functions by name in upper case; of those that compute, and of a few others."""
+    return MappingProxyType({name.upper(): tuple(text.split()) for name, text in _columns("parameters").items()})
 
 
 INSTRUCTIONS = (

@@ -33,7 +33,7 @@ from plcgen.s7.cpu.type_rules import (
     integer_of,
 )
 from plcgen.s7.scl import ast
-from plcgen.s7.scl.instructions import INSTRUCTIONS
+from plcgen.s7.scl.instructions import INSTRUCTIONS, parameters
 from plcgen.s7.scl.system_types import is_type_name
 
 _MAX_TEXTS = 32
@@ -58,11 +58,7 @@ What they take is converted to that type before; the type of a rounding is that 
 """
 _INPUT = re.compile("IN[0-9]+|EN|ENO")
 _NAME = re.compile(r"([A-Z]+)_([A-Z_]+)")
-_TEXT_FUNCTIONS = {
-    "LEN": ("IN",), "CONCAT": ("IN1", "IN2"), "LEFT": ("IN", "L"), "RIGHT": ("IN", "L"), "MID": ("IN", "L", "P"),
-    "FIND": ("IN1", "IN2"), "DELETE": ("IN", "L", "P"), "INSERT": ("IN1", "IN2", "P"),
-    "REPLACE": ("IN1", "IN2", "L", "P"),
-}  # fmt: skip
+_TEXT_FUNCTIONS = frozenset({"LEN", "CONCAT", "LEFT", "RIGHT", "MID", "FIND", "DELETE", "INSERT", "REPLACE"})
 _DELAYS = {"DIS_AIRT": "dis_airt", "SFC41": "dis_airt", "EN_AIRT": "en_airt", "SFC42": "en_airt"}
 
 
@@ -283,7 +279,11 @@ class Functions:
             self.context.error("PG822", f"{name} needs a selector and at least two inputs", node)
             return unknown()
         if all(label for label, _ in arguments):
-            arguments.sort(key=lambda item: (item[0] not in {"G", "K"}, len(item[0]), item[0]))
+            first = parameters()[name][0]
+            if first not in {label for label, _ in arguments}:
+                self.context.error("PG822", f"{first} is missing", node)
+                return unknown()
+            arguments.sort(key=lambda item: (item[0] != first, len(item[0]), item[0]))
         (selector, _), *values = self.values([expression for _, expression in arguments])
         code = f"int(not not {truth(self.context, selector, node)})" if name == "SEL" else selector.wrapped
         result = self.common_call(node, name.lower(), values, type_)
@@ -305,7 +305,7 @@ class Functions:
         more = (
             tuple(f"IN{n}" for n in range(3, _MAX_TEXTS + 1)) if name == "CONCAT" and not self.context.classic else ()
         )
-        names = _TEXT_FUNCTIONS[name]
+        names = parameters()[name]
         given = [(argument.name or "").upper() for argument in node.arguments]
         if name == "LEN" and given == ["S"] and not self.context.rules.dialect.is_tia:
             names = ("S",)  # as sources of STEP 7 V5 call FC21; no manual was found for it

@@ -17,6 +17,7 @@ from plcgen.s7.cpu.compiler.values import MemoryPlace, Val, unknown
 from plcgen.s7.cpu.memory import CODECS
 from plcgen.s7.cpu.type_rules import BITS, INT_CONST, INTEGERS
 from plcgen.s7.scl import ast
+from plcgen.s7.scl.instructions import parameters
 from plcgen.s7.types.data_types import ArrayType
 
 _MOVES = {"BLKMOV": "blkmov", "SFC20": "blkmov", "UBLKMOV": "blkmov", "SFC81": "blkmov"}
@@ -99,7 +100,7 @@ class Moves:
 
     def move_elements(self, node: ast.Call, name: str) -> Val:
         """``MOVE_BLK(IN := a[0], COUNT := n, OUT => b[0])`` and FILL_BLK."""
-        bound = self.functions.bind(node, ("IN", "COUNT", "OUT"))
+        bound = self.functions.bind(node, parameters()[name])
         count = self.expressions.value(bound["COUNT"]).wrapped
         if name.endswith("FILL_BLK") and isinstance(bound["OUT"], ast.Member) and self.places.place(bound["OUT"]):
             self.context.error("PG827", f"the soft CPU executes {name} with elements of an array only", node)
@@ -161,7 +162,7 @@ class Moves:
 
     def poke_block(self, node: ast.Call) -> Val:
         """POKE_BLK copies between areas."""
-        names = ("AREA_SRC", "DBNUMBER_SRC", "BYTEOFFSET_SRC", "AREA_DEST", "DBNUMBER_DEST", "BYTEOFFSET_DEST", "COUNT")
+        names = parameters()["POKE_BLK"]
         bound = self.functions.bind(node, names)
         self.out.emit(f"poke_block({','.join(self.number(bound[key]) for key in names)})")
         self.access.forget()
@@ -170,8 +171,7 @@ class Moves:
     def serialize(self, node: ast.Call, name: str) -> Val:
         """Value between a variable and bytes of an array; POS moves on, the result is an error number."""
         reading = name.startswith("READ")
-        names = ("SRC_ARRAY", "DEST_VARIABLE", "POS") if reading else ("SRC_VARIABLE", "DEST_ARRAY", "POS")
-        bound = self.functions.bind(node, names)
+        bound = self.functions.bind(node, parameters()[name])
         array = self.references.reference(bound["SRC_ARRAY" if reading else "DEST_ARRAY"])
         variable = bound["DEST_VARIABLE" if reading else "SRC_VARIABLE"]
         position = self.places.place(bound["POS"])

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 from plcgen.base.diagnostics import Span
 from plcgen.base.display.page import Page
 from plcgen.s7.cpu.system.interfaces import system_fbs
+from plcgen.s7.cpu.system.library import ROWS, parts
 from plcgen.s7.scl import ast
-from plcgen.s7.scl.instructions import INSTRUCTIONS
+from plcgen.s7.scl.instructions import INSTRUCTIONS, parameters
 from plcgen.s7.scl.lexer import (
     ADDRESS,
     ERROR,
@@ -33,7 +34,6 @@ from plcgen.s7.types.data_types import elementary
 from plcgen.s7.types.spelling import type_text
 from plcgen.workbench.service.results import Hover, Signature, SignaturePart, Symbol, SymbolKind, Token, TokenKind
 from plcgen.workbench.service.sources.names import Meant, meaning, meant_at, place_of, system_block
-from plcgen.workbench.service.sources.signatures import FUNCTIONS
 
 if TYPE_CHECKING:
     from plcgen.workbench.service.sources.state import SourceState
@@ -116,21 +116,61 @@ def signature_of(state: SourceState, name: str) -> Signature | None:
     block = state.types.get(upper)
     if block is not None and block.kind in {BlockKind.FB, BlockKind.FC}:
         return Signature(_label(block), block.comment, _parts(block), 0)
-    if upper in FUNCTIONS:
-        parts = tuple(SignaturePart(part, "Input") for part in FUNCTIONS[upper])
-        return Signature(f"{upper}({', '.join(FUNCTIONS[upper])})", "instruction", parts, 0)
+    function = _function(upper)
+    if function is not None:
+        return function
     for classic in (False, True):
         known = system_fbs(classic=classic).get(upper)
         if known is not None:
             members = {m.name.upper(): type_text(m.type) for s in known.block.sections for m in s.members}
-            parts = tuple(
+            known_parts = tuple(
                 SignaturePart(
                     f"{key} {'=>' if kind is SectionKind.OUTPUT else ':='} {members.get(key, '')}".strip(), kind.value
                 )
                 for key, kind in known.parameters.items()
             )
-            return Signature(f"{upper}({', '.join(part.text for part in parts)})", "system function block", parts, 0)
+            label = f"{upper}({', '.join(part.text for part in known_parts)})"
+            return Signature(label, "system function block", known_parts, 0)
     return None
+
+
+def _function(name: str) -> Signature | None:
+    """Parameters of a function, ``NORM_X`` or ``NORM_X_REAL``, by name in upper case."""
+    base = _untyped(name)
+    if base is None:
+        return None
+    row = ROWS.get(base)
+    if row is None:
+        found = tuple(SignaturePart(one, SectionKind.INPUT.value) for one in parameters()[base])
+    else:
+        kinds = ((row.inputs, SectionKind.INPUT, ":="), (row.outputs, SectionKind.OUTPUT, "=>"))
+        found = tuple(
+            SignaturePart(f"{one.name} {sign} {_type_of(one.type)}".strip(), kind.value)
+            for text, kind, sign in kinds
+            for one in parts(text)
+        )
+    return Signature(f"{name}({', '.join(one.text for one in found)})", "instruction", found, 0)
+
+
+_GROUPS = {
+    "num": "number", "int": "integer", "real": "REAL or LREAL", "bits": "bit string", "text": "text",
+    "time": "time or date", "stamp": "date and time", "same": "any type", "ref": "variable", "bit": "bit",
+    "tail": "element of an array", "timer": "T", "counter": "C", "s5": "S5TIME",
+}  # fmt: skip
+
+
+def _type_of(text: str) -> str:
+    """Type of a parameter, or a word for a group of types."""
+    return _GROUPS.get(text, text)
+
+
+def _untyped(name: str) -> str | None:
+    """The name of a function as tables have it; a type may stand behind it."""
+    while name not in ROWS and name not in parameters():
+        name, _, type_ = name.rpartition("_")
+        if not name or (elementary(type_) is None and type_ not in {"STRING", "WSTRING", "OF", "DAY", "AND"}):
+            return None
+    return name
 
 
 def signature(state: SourceState, line: int, column: int) -> Signature | None:
@@ -251,7 +291,7 @@ def _colour(found: Tokens, at: int, kind: str) -> TokenKind | None:
 def _name_colour(name: str, *, called: bool) -> TokenKind:
     if elementary(name) is not None or name in {"STRING", "WSTRING", "VOID"}:
         return "type"
-    if called and (name in INSTRUCTIONS or name in FUNCTIONS or system_block(name) is not None):
+    if called and (name in INSTRUCTIONS or _untyped(name) is not None or system_block(name) is not None):
         return "function"
     return "function" if re.fullmatch(r"\w+_TO_\w+", name) else "variable"
 
