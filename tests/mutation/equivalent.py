@@ -124,6 +124,10 @@ EQUIVALENT = {
     r"^Check(Axis|Winding): (\+ -> -: deviations.*index := .* \(1\)$|(8 -> 9|OR -> AND): deviations.*index :=)": (
         "no parameter has an index: the bytes are 0"
     ),
+    r"^CheckRamps: dropped: deviations\[temp(Others|Index)\]\.index := ": "no parameter has an index: it stays 0",
+    r"^CheckRamps: dropped: tempOther := \(\(tempWanted OR tempFound\) AND": (
+        "what is wanted is not 0: a number with the other sign is another one"
+    ),
     r"^SetUp: dropped: (statLimit := L#5000|statInterval := L#500) \(2\)$": (
         "another step that waits comes before it in every run, and has the same times"
     ),

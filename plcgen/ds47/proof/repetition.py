@@ -40,7 +40,7 @@ class Repetition:
         if asked.taken:
             if asked.late:
                 self.almost()
-            self.another_job(asked.taken)
+            self.another_job(asked.taken, short=0 if asked.late else TURN)
         elif asked.goes_on:
             self.ends(self.next_start())
         if asked.away:
@@ -112,8 +112,8 @@ class Repetition:
         while self.rig.db.get(SINCE) + self.length < self.rig.job.cycle:
             self.call()
 
-    def another_job(self, taken: int) -> None:
-        """Another job gets the unit and keeps it: it goes first, for one cycle."""
+    def another_job(self, taken: int, short: int) -> None:
+        """Another job gets the unit, in so many ``short`` calls, and keeps it: it goes first, for one cycle."""
         rig, cycle, sent, calls = self.rig, self.rig.job.cycle, len(self.rig.drive.journal), 0
         left = max(self.begun + cycle, rig.cpu.clock) + taken
         last = max(self.begun + 2 * cycle, rig.cpu.clock)
@@ -121,7 +121,7 @@ class Repetition:
         rig.channel.set("waitLimit", WAIT_LIMIT_MS)  # one call may take longer than the short limit
         while rig.cpu.clock < left and not self.run.seen[0]:
             calls += 1
-            self.call(length=SCAN_MS if calls <= TURN else 0)
+            self.call(length=SCAN_MS if calls <= short else 0)
             rig.alive()
         started = rig.cpu.clock if self.run.seen[0] else 0
         if started and not self.begun + 2 * cycle <= started <= last + CALLS * self.length + self.lost():

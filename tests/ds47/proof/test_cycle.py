@@ -134,7 +134,7 @@ DAMAGE = {
 @pytest.mark.slow
 @pytest.mark.parametrize("damage", DAMAGE)
 def test_damage_is_noticed(damage: str, tmp_path: Path) -> None:
-    """One change of a source, whose hash is made anew, and verify is red."""
+    """One change of a source, and verify is red for another reason than that the file was changed."""
     spec, (old, new) = tmp_path / "job.yaml", DAMAGE[damage]
     spec.write_text("""plc: {name: Plant, family: s7-1500, toolchain: tia-v19}
 drives: {a: {device: sinamics-g120, hardware_id: 270}}
@@ -146,7 +146,7 @@ jobs: {watch: {drive: a, read: [r21], cycle: 1s}}
     assert old in text
     source.write_text(text.replace(old, new), "utf-8-sig")
     found = api.verify(spec, tmp_path / "out", faults="quick")
-    codes = {one.code for one in found.problems}
+    codes = {one.code for one in found.problems if one.span is not None and "manifest" not in str(one.span.file)}
     assert codes & {"PG614", "PG621", "PG641"}
 
 

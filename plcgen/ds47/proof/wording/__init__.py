@@ -44,7 +44,7 @@ _TITLES = {
     "activate": tuple(f"{word} the drive object" for word in ("Activate", "Deactivate", "Activate or deactivate")),
 }
 FAMILY = "DS47"
-VERSIONS = {"channel": "1.1", "ticket": "1.1", "gate": "1.0"}
+VERSIONS = {"channel": "1.2", "ticket": "1.1", "gate": "1.0"}
 """Of the blocks of the engine."""
 _CONDITION = re.compile(r"[rP]\d\S* [=<>]+ [^,，]+")
 _EXPECTED = re.compile(r"\S*expected\[(?P<number>\d+)\] :=")
