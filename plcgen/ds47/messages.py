@@ -1,7 +1,7 @@
 """Messages of drives: faults, alarms and safety messages with title, class, reaction and acknowledgement.
 
 Facts of the lists of messages of the TIA Portal information system (help of V19, English), joined into one table: the
-same number can mean something else in another family. ``python -m tests.evidence LISTS --part lists --save`` makes it.
+same number can mean something else in another family. ``python -m tests.evidence HELP --part lists --save`` makes it.
 """
 
 from __future__ import annotations

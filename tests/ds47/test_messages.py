@@ -12,7 +12,33 @@ from plcgen.ds47 import messages
 from plcgen.ds47.devices import device_names, find_device
 from tests.evidence import lists as tool
 
-_HEAD = "kind\tnumber\talso\ttitle\tclass\treaction\tacknowledge\tobjects"
+_MESSAGE = """### {head}
+
+**Drive object:**
+
+{objects}
+
+**Message value:**
+
+-
+
+**Message class:**
+
+C (1)
+
+**{reaction}:**
+
+OFF2 (NONE,
+OFF1)
+
+**{acknowledge}:**
+
+IMMEDIATELY
+
+**Cause**
+
+Toy.
+"""
 
 
 def _text(key: str, device: str = "") -> str:
@@ -21,25 +47,39 @@ def _text(key: str, device: str = "") -> str:
     return "\n".join([page.title, *(f"{heading}: {text}" for heading, text in page.sections)])
 
 
+def _help(package: str, *messages_: tuple[str, str], new: bool = False) -> str:
+    """A page of messages in the form of the public copy; firmware 6 has other headings."""
+    words = {"reaction": "Response", "acknowledge": "Acknowledgment"} if new else {
+        "reaction": "Reaction", "acknowledge": "Acknowledge"
+    }  # fmt: skip
+    texts = [_MESSAGE.format(head=head, objects=objects, **words) for head, objects in messages_]
+    return "\n".join([f"package: {package}", *texts])
+
+
 def test_a_table_joins_the_lists_by_meaning(tmp_path: Path) -> None:
     """A line for each meaning, the families of a list told apart by its drive objects; what names none is left out."""
-    (tmp_path / "messages_g120.tsv").write_text(
-        f"# messages, list StdrX of the help\n{_HEAD}\n"
-        "F\t00100\tN, A\tOne  title\tC (1)\tOFF2\tIMMEDIATELY\tG120C_PN, CU240B-2, ET200\n"
-        "F\t00100\t\tOther title\tC (1)\tOFF2\tIMMEDIATELY\tCU250S_V_PN\n"
-        "A\t00200\t\tOf nobody\tC (1)\tNONE\tNONE\tET200\n",
-        "utf-8",
+    old = _help(
+        "StdrAlG120enUS",
+        ("F00100 (N, A) One  title", "G120C_PN, CU240B-2, ET200"),
+        ("F00100 Other title &gt; 1", "CU250S_V_PN"),
+        ("A00200 Of nobody", "ET200"),
     )
-    (tmp_path / "messages_g220.tsv").write_text(
-        f"# messages, list sdralX of the help\n{_HEAD}\nF\t00100\tN, A\tOne title\tC (1)\tOFF2\tIMMEDIATELY\t\n",
-        "utf-8",
-    )
+    (tmp_path / "SINAMICS Alarms G120.md").write_text(old, "utf-8")
+    new = _help("sdral451enUS", ("F00100 (N, A) One title", ""), new=True)
+    (tmp_path / "SINAMICS Alarms G220.md").write_text(new, "utf-8")
     assert tool.messages_text(tmp_path).splitlines() == [
-        "# cu240=StdrX, cu250s=StdrX, g120c=StdrX, g220=sdralX",
+        "# cu240=StdrAlG120enUS, cu250s=StdrAlG120enUS, g120c=StdrAlG120enUS, g220=sdral451enUS",
         "\t".join(messages.COLUMNS),
-        "100\tF\t\tOther title\tC (1)\tOFF2\tIMMEDIATELY\tcu250s",
-        "100\tF\tN A\tOne title\tC (1)\tOFF2\tIMMEDIATELY\tcu240 g120c g220",
+        "100\tF\t\tOther title > 1\tC (1)\tOFF2 (NONE, OFF1)\tIMMEDIATELY\tcu250s",
+        "100\tF\tN A\tOne title\tC (1)\tOFF2 (NONE, OFF1)\tIMMEDIATELY\tcu240 g120c g220",
     ]
+
+
+def test_no_family_lacks_reactions() -> None:
+    """Every fault has a reaction and an acknowledgement, of firmware 6 too."""
+    faults = [one for one in messages.all_messages(messages.FAMILIES) if one.kind == "F"]
+    assert len(faults) > 1000
+    assert [one.name for one in faults if not (one.reaction and one.acknowledge)] == []
 
 
 @pytest.mark.parametrize(
@@ -48,6 +88,7 @@ def test_a_table_joins_the_lists_by_meaning(tmp_path: Path) -> None:
         (7011, "vector", "F", (), "Drive: Motor overtemperature", "OFF2 (NONE, OFF1, OFF3, STOP2)", "IMMEDIATELY"),
         (30001, "g120c", "F", (), "Power unit: Overcurrent", "OFF2", "IMMEDIATELY"),
         (30001, "s210_fw5", "F", (), "Drive: overcurrent", "OFF2", "IMMEDIATELY"),
+        (7901, "g220", "F", (), "Drive: Motor overspeed", "OFF2 (IASC/DCBRK)", "IMMEDIATELY"),
         (3505, "cu230p", "F", ("N", "A"), "Analog input wire breakage", "OFF1 (NONE, OFF2)", "IMMEDIATELY (POWER ON)"),
     ],
 )

@@ -1,10 +1,12 @@
-"""What lists print of a parameter, as the package keeps it; and its table of messages, from a folder of lists.
+"""What lists print of a parameter, as the package keeps it; and its table of messages, from the help as text.
 
-``python -m tests.evidence LISTS --part lists --save`` makes the table of every ``messages_<name>.tsv``.
+``python -m tests.evidence HELP --part lists --save`` makes the table of the files ``SINAMICS Alarms *.md`` of a public
+copy of the TIA Portal information system.
 """
 
 from __future__ import annotations
 
+import html
 import re
 import struct
 from collections.abc import Iterator, Mapping
@@ -14,12 +16,9 @@ from plcgen.ds47 import lists, messages
 from plcgen.ds47.types import read_type
 from plcgen.ds47.wire import formats
 from plcgen.ds47.wire.formats import FormatValueError
-from tests.evidence.effects import read_rows
 
 OBJECTS = re.compile(r"VECTOR(_G)?|SERVO|DC_CTRL|[ASB]_INF|CU_(S120|S150|G130|G150)|CU_DC|TM[0-9]+(DI_DO)?|TB30")
 """Drive objects that a profile has, without the fieldbus of a control unit and without function modules."""
-BY_PACKAGE = {"sdrpa400": "s210_fw5", "sdrpa401": "s210_fw6"}
-"""Lists whose file is named after the other firmware: 400 begins with version 5.1, 401 with 6.1."""
 _NUMBER = re.compile(r"-?[0-9]+(\.[0-9]+)?(E[+-]?[0-9]+)?\Z")
 _HEX = re.compile(r"([0-9A-F ]+) hex\Z")
 _BIN = re.compile(r"([01 ]+) bin\Z")
@@ -84,44 +83,64 @@ def kept(row: Mapping[str, str]) -> list[str]:
     ]  # fmt: skip
 
 
+PACKAGES = {"sdral010": "a_inf", "sdral011": "servo", "sdral012": "vector", "sdral400": "s210_fw5",
+            "sdral401": "s210_fw6", "sdral425": "s200_pn", "sdral451": "g220", "StdrAlG120": "g120"}  # fmt: skip
+"""Packages of the information system with messages; 400 begins with firmware 5.1, 401 with 6.1."""
 GROUPS = {"cu230p": "CU230P", "cu240": "CU240", "cu250s": "CU250S", "g110m": "CU_G110M", "g115d": "G115D",
           "g120c": "G120C", "g120x": "G120X", "vector": r"VECTOR(_G)?\Z", "servo": r"SERVO\Z", "a_inf": r"[ASB]_INF\Z",
           "dc_ctrl": r"DC_CTRL\Z"}  # fmt: skip
 """How the lists of messages print the drive objects of a family, or how these names begin."""
-OF_LIST = {"messages_vector": {"vector", "dc_ctrl"}, "messages_servo": {"servo"}, "messages_a_inf": {"a_inf"},
-           "messages_g120": {"cu230p", "cu240", "cu250s", "g110m", "g115d", "g120c", "g120x"}}  # fmt: skip
+OF_LIST = {"vector": {"vector", "dc_ctrl"}, "servo": {"servo"}, "a_inf": {"a_inf"},
+           "g120": {"cu230p", "cu240", "cu250s", "g110m", "g115d", "g120c", "g120x"}}  # fmt: skip
 """Families for which a list speaks: what it says of the objects of other lists stands there. DC_CTRL has none."""
+
+
+_MESSAGE = re.compile(r"(?m)^###+ ([FACN])([0-9]+) *(?:\(([^)]*)\))? *(.*)$")
 
 
 def families(name: str, objects: str) -> set[str]:
     """Families of a message: by the list, or by its drive objects where one list has several families."""
     if name not in OF_LIST:
-        return {name.removeprefix("messages_")}
+        return {name}
     named = {family for family in OF_LIST[name] if any(re.match(GROUPS[family], one) for one in objects.split(", "))}
     everywhere = objects == "All objects" or (not objects and OF_LIST[name])
     return OF_LIST[name] if everywhere else named
+
+
+def read_messages(text: str) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """Drive objects of every message, and what the table keeps of it: number, kind, .., acknowledgement."""
+    found = list(_MESSAGE.finditer(text))
+    for one, following in zip(found, [*found[1:], None], strict=True):
+        part = text[one.end() : following.start() if following else len(text)]
+        if "**Message" not in part:  # the heading over several meanings
+            continue
+        kind, number, also, title = one.groups("")
+        said = [_said(part, name) for name in ("Message class", "Reaction|Response", "Acknowledge|Acknowledgment")]
+        yield _said(part, "Drive object"), (str(int(number)), kind, also.replace(",", ""), _plain(title), *said)
+
+
+def _said(part: str, name: str) -> str:
+    match = re.search(rf"\*\*(?:{name}):\*\*(.*?)(?=\n\*\*|\n#|\n\||\Z)", part, re.DOTALL)
+    return _plain(match[1]).removesuffix("-").strip() if match else ""
+
+
+def _plain(text: str) -> str:
+    return " ".join(html.unescape(text.replace("\\", "")).split())
 
 
 def messages_text(folder: Path) -> str:
     """The table of messages: a line for each meaning that a number has, with the families that give it this one."""
     found: dict[tuple[str, ...], set[str]] = {}
     sources = {}
-    for path in sorted(folder.glob("messages_*.tsv")):
-        with path.open(encoding="utf-8") as file:
-            head = file.readline()
-        name = next((f"messages_{one}" for of, one in BY_PACKAGE.items() if of.replace("pa", "al") in head), path.stem)
-        listed = re.search(r"list (\w+)", head)
-        for row in read_rows(path):
-            where = families(name, row["objects"])
-            sources |= dict.fromkeys(where, listed[1] if listed else "")
-            key = (
-                str(int(row["number"])),
-                row["kind"],
-                row["also"].replace(",", ""),
-                " ".join(row["title"].split()),
-                row["class"],
-            )
-            found.setdefault((*key, row["reaction"], row["acknowledge"]), set()).update(where)
+    for path in sorted(folder.rglob("SINAMICS Alarms *.md")):
+        text = path.read_text("utf-8")
+        package = re.search(r"\b(sdral[0-9]+|StdrAlG120)[a-zA-Z]*", text[:400])
+        if package is None or package[1] not in PACKAGES:
+            continue
+        for objects, key in read_messages(text):
+            where = families(PACKAGES[package[1]], objects)
+            sources |= dict.fromkeys(where, package[0])
+            found.setdefault(key, set()).update(where)
     head = ", ".join(f"{family}={sources[family]}" for family in sorted(sources))
     rows = sorted((int(key[0]), key[1:], " ".join(sorted(where))) for key, where in found.items() if where)
     lines = ["\t".join((str(number), *rest, where)) for number, rest, where in rows]
