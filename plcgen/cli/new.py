@@ -11,7 +11,7 @@ from plcgen.cli.completed import toolchains
 from plcgen.cli.options import PATH, console, device_option, force_option, verb
 from plcgen.cli.output import OK
 from plcgen.s7.types.families import FAMILIES
-from plcgen.workbench.starter import KINDS, RECIPES, ppi_starter, starter, usable
+from plcgen.workbench.starter import FAQ_DEVICE, FAQ_FAMILY, KINDS, RECIPES, faq_starter, ppi_starter, starter, usable
 
 if TYPE_CHECKING:
     from plcgen.ds47.device import Device
@@ -22,11 +22,12 @@ if TYPE_CHECKING:
     "plcgen new",
     "plcgen new press.yaml --device sinamics-dcm --family s7-300",
     "plcgen new fan.yaml --device sinamics-g120 --job actual-values --job faults",
+    "plcgen new dcm.yaml --faq",
     "plcgen new line.yaml --ppi --family s7-1200",
 )
 @click.argument("path", type=PATH, default="job.yaml", metavar="[PATH]")
-@device_option("Device profile.  [default: sinamics-s120]", default="sinamics-s120")
-@click.option("--family", type=click.Choice(FAMILIES), default="s7-1500", help="CPU family.  [default: s7-1500]")
+@device_option("Device profile.  [default: sinamics-s120; sinamics-dcm with --faq]")
+@click.option("--family", type=click.Choice(FAMILIES), help="CPU family.  [default: s7-1500; s7-300 with --faq]")
 @click.option(
     "--toolchain",
     metavar="TOOL",
@@ -42,17 +43,28 @@ if TYPE_CHECKING:
     help=f"A job to start with (repeatable): {', '.join((*RECIPES, *KINDS))}.  "
     "[default: the first three, if the device is known to have them]",
 )
-@click.option("--faq", is_flag=True, help="Member names and data blocks as in Siemens FAQ 109750712.")
+@click.option("--faq", is_flag=True, help="The project of Siemens FAQ 109750712, or of another device in its form.")
 @click.option("--ppi", is_flag=True, help="A PPI master of S7-200 stations instead of drives.")
 @force_option("Overwrite an existing file.")
 def command(
-    *, path: Path, device: str, family: str, toolchain: str | None, jobs: tuple[str, ...], faq: bool, ppi: bool
+    *,
+    path: Path,
+    device: str | None,
+    family: str | None,
+    toolchain: str | None,
+    jobs: tuple[str, ...],
+    faq: bool,
+    ppi: bool,
 ) -> int:
     """Write a commented starter spec (job.yaml); PATH - writes to stdout.
 
     It begins with reading actual values, setting ramps and reading the fault buffer.
     """
     out = console()
+    if faq and (jobs or ppi):
+        raise click.UsageError("--faq has the jobs of the FAQ: leave --job and --ppi out")
+    device = device or (FAQ_DEVICE if faq else "sinamics-s120")
+    family = family or (FAQ_FAMILY if faq else "s7-1500")
     tool, name = _toolchain(family, toolchain), "job.yaml" if path == Path("-") else path.name
     if ppi:
         text = ppi_starter(name, family, tool)
@@ -63,8 +75,8 @@ def command(
             if job not in known and job not in KINDS:
                 offered = f"available: {', '.join(known)}" if known else "no job is available"
                 raise click.UsageError(f"the catalogue of {device} does not confirm what --job {job} needs; {offered}")
-        text = starter(name, profile, family, tool, jobs, faq=faq)
-        if set(jobs) & set(KINDS):
+        text = faq_starter(name, profile, family, tool) if faq else starter(name, profile, family, tool, jobs)
+        if faq or set(jobs) & set(KINDS):
             _hold(text, device)
     if path == Path("-"):
         out.result(text)

@@ -362,6 +362,15 @@ class Device:
         own = known.dangerous if known is not None else ""
         return own or effects.danger(pnu, (object_type, self.key, self.like), values)
 
+    def left_to_chance(self, pnu: int, object_type: str = "") -> str:
+        """Why nobody's choice must not be written to a number: its class of effect; empty if it may."""
+        known = self.parameters.get(pnu)
+        if known is not None and (known.dangerous or known.harmless):
+            return "dangerous" if known.dangerous else ""
+        return (
+            effects.left_to_chance(pnu, (object_type, self.key, self.like)) if self.classified(pnu) else "unclassified"
+        )
+
     def classified(self, pnu: int) -> bool:
         """Whether anybody has said what a write of this number does."""
         known = self.parameters.get(pnu)

@@ -25,12 +25,13 @@ _WORDS = Path(__file__).with_suffix(".toml")
 @dataclass(frozen=True, slots=True)
 class Reason:
     """Why a write asks: ``kind`` is its class of effect, ``why`` the end of "needs a sign-off: ..", empty if it does
-    not ask.
+    not ask. ``chosen``: whether somebody must choose a value.
     """
 
     key: str
     kind: str
     asks: bool
+    chosen: bool
     why: str
 
 
@@ -78,8 +79,9 @@ def _words() -> Mapping[str, Any]:
 def reasons() -> Mapping[str, Reason]:
     """Every reason by its key."""
     words = _words()
+    classes = {key: (one["asks"], one["asks"] or one.get("chosen", False)) for key, one in words["classes"].items()}
     return {
-        key: Reason(key, one["class"], words["classes"][one["class"]]["asks"], one.get("why", ""))
+        key: Reason(key, one["class"], *classes[one["class"]], one.get("why", ""))
         for key, one in words["reasons"].items()
     }
 
@@ -136,6 +138,11 @@ def effects(pnu: int, called: Collection[str]) -> tuple[Effect, ...]:
         if found:
             return tuple(found)
     return tuple(listed or said)
+
+
+def left_to_chance(pnu: int, called: Collection[str]) -> str:
+    """The class of effect of a number of which somebody must choose the value; empty if there is none."""
+    return next((one.reason.kind for one in effects(pnu, called) if one.reason.chosen), "")
 
 
 def classified(pnu: int) -> bool:

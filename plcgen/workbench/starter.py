@@ -115,6 +115,84 @@ def ppi_module(family: str) -> str:
     return f"module: {'cm-ptp' if family == 's7-1500' else 'cm1241'}, port: 270"
 
 
+_FAQ = """\
+# In the form of Siemens FAQ 109750712 (09/2017, TIA Portal V13 SP1): its data blocks, their members, its flags.
+# Compare toolchain and address with your project; check it with    plcgen check {file}
+# and make the PLC sources with                                     plcgen generate {file}
+
+plc:
+  name: {project}
+  family: {family}
+  toolchain: {toolchain} | step7-v5, tia-v13sp1, tia-v14 .. tia-v21
+  names: faq | member names
+
+drives:
+  {key}:
+    device: {device} | {title}
+    {address} | {address_hint}: plcgen explain hardware-id
+    drive_object: {drive_object} | {rule}
+
+jobs:
+  {read_key}:
+    drive: {key}
+    read: [{read}] | {read_title}
+    request: {{db: 3, name: WR_DataBuffer}}
+    response: {{db: 4, name: RD_DataBuffer}}
+    trigger: {{execute: M50.0, done: M50.5}} | a rising edge of M50.0 reads
+    reference: 3 | of the telegram in DB3 before the first run
+
+  {write_key}:
+    drive: {key}
+    write: {{{write}: {value}}} | {write_title}
+    request: {{db: 5, name: WR_DataBuffer_1}}
+    response: {{db: 6, name: RD_DataBuffer_1}}
+    trigger: {{execute: M150.0, done: M150.5}} | a rising edge of M150.0 writes
+    reference: 4
+"""
+FAQ_DEVICE, FAQ_FAMILY = "sinamics-dcm", "s7-300"
+
+
+def faq_starter(file: str, device: Device, family: str, toolchain: str) -> str:
+    """The project of FAQ 109750712: it reads the ramp-up time and sets the ramp-down time to 100 s.
+
+    Another device has the same blocks, with its own ramps or else a parameter to read and one to write.
+    """
+    known = _known(device)
+    ramps = next((pair for pair in ((50303, 50304), (1120, 1121)) if {*pair} <= known.keys()), None)
+    two = _any_two(device)
+    read, write = (known[number] for number in ramps) if ramps else (device.parameters[one.numbers[0]] for one in two)
+    text = _FAQ.format(
+        project="S7-300_6RA80_DP_TIA" if device.key == FAQ_DEVICE else "Record_47",
+        key="dcm" if device.key == FAQ_DEVICE else "drive1",
+        read_key="read_ramp_up" if ramps else two[0].key,
+        read=f"P{read.pnu}",
+        read_title=_titled(read),
+        write_key="write_ramp_down" if ramps else two[1].key,
+        write=f"P{write.pnu}",
+        value="100.0" if ramps else "",
+        write_title=_titled(write),
+        **_place(file, device, family, toolchain),
+    )
+    return "".join(_aligned(line) for line in text.splitlines())
+
+
+def _place(file: str, device: Device, family: str, toolchain: str) -> dict[str, object]:
+    """What every starter spec says of its PLC and its drive."""
+    classic = family in {"s7-300", "s7-400"}
+    hint = "logical address, see the hardware configuration" if classic else "hardware identifier"
+    return {
+        "file": file,
+        "family": family,
+        "toolchain": toolchain,
+        "device": device.key,
+        "title": device.title,
+        "address": "address: 256" if classic else "hardware_id: 270",
+        "address_hint": hint,
+        "drive_object": device.drive_object,
+        "rule": device.drive_object_rule,
+    }
+
+
 def ppi_starter(file: str, family: str, toolchain: str) -> str:
     """A starter spec of a PPI master."""
     module, port = ppi_module(family).split(", ")
@@ -167,30 +245,13 @@ def usable(device: Device) -> tuple[str, ...]:
     return tuple(name for name, recipe in RECIPES.items() if _known(device).keys() & recipe.needed)
 
 
-def starter(
-    file: str, device: Device, family: str, toolchain: str, jobs: Sequence[str] = (), *, faq: bool = False
-) -> str:
+def starter(file: str, device: Device, family: str, toolchain: str, jobs: Sequence[str] = ()) -> str:
     """A starter spec that passes every check.
 
     It has the recipes and kinds ``jobs``, by default all recipes that are usable, else a parameter to read and one to
-    write. ``faq``: member names and data blocks as in FAQ 109750712.
+    write.
     """
-    classic = family in {"s7-300", "s7-400"}
-    hint = "logical address, see the hardware configuration" if classic else "hardware identifier"
-    head = _HEAD.format(
-        file=file,
-        family=family,
-        families=", ".join(FAMILIES),
-        toolchain=toolchain,
-        device=device.key,
-        title=device.title,
-        address="address: 256" if classic else "hardware_id: 270",
-        address_hint=hint,
-        drive_object=device.drive_object,
-        rule=device.drive_object_rule,
-    )
-    if faq:
-        head = head.replace("  # names: faq |", "  names: faq |")
+    head = _HEAD.format(families=", ".join(FAMILIES), **_place(file, device, family, toolchain))
     kinds = [job for job in jobs if job in KINDS]
     if "clock" in kinds:  # the control unit has it
         head = head.replace(f"drive_object: {device.drive_object} ", "drive_object: 1 ")
@@ -201,8 +262,6 @@ def starter(
     if not jobs and all(recipe.writes for recipe in recipes):
         recipes.insert(0, _reading(known[next(number for number in recipes[0].numbers if number in known)]))
     body = "\n".join(_job(recipe, known if recipe.needed else device.parameters) for recipe in recipes)
-    if faq:
-        body = re.sub(r"(?m)^(    drive: drive1)$", r"\1\n    buffers: db", body)
     body += _of_kinds(kinds, device)
     return "".join(_aligned(line) for line in (head + body + _MORE[recipes[-1].writes] + _TAIL).splitlines())
 
@@ -221,11 +280,15 @@ def _job(recipe: Recipe, parameters: dict[int, Parameter]) -> str:
 
 def _line(parameter: Parameter, recipe: Recipe) -> str:
     letter = "r" if parameter.access == "r" else "P"
-    title = f"{parameter.title}{f', {parameter.unit}' if parameter.unit else ''}"
+    title = _titled(parameter)
     if not recipe.writes:
         return f"      - {letter}{parameter.pnu}{recipe.indexes} | {title}"
     value = f" {{start: {recipe.start}}}" if recipe.start else ""
     return f"      {letter}{parameter.pnu}:{value} | {title}; an input of the block"
+
+
+def _titled(parameter: Parameter) -> str:
+    return f"{parameter.title}{f', {parameter.unit}' if parameter.unit else ''}"
 
 
 def _any_two(device: Device) -> list[Recipe]:

@@ -136,7 +136,7 @@ plc: {name: a, family: s7-1500, toolchain: tia-v17}
 drives: {d: {device: DEVICE, hardware_id: 270}}
 jobs:
   look: {drive: d, read: [ramp, torque]}
-  set: {drive: d, write: {ramp: 2.0, torque: null}, allow: {P11: agreed, P20: agreed}}
+  set: {drive: d, write: {ramp: 2.0, torque: {start: 0}}, allow: {P11: agreed, P20: agreed}}
 """
 
 ACME = """\

@@ -20,18 +20,42 @@ _SHOWN = 4
 
 
 def unconnected(plan: DrivePlan) -> Iterator[Diagnostic]:
-    """PG226: a limit or reference without a value: what is written if nobody connects the input is nobody's choice."""
+    """PG226: an input without a value: what is written if nobody connects it is nobody's choice.
+
+    An error for limits and reference values; for others a warning, unless the catalogue has a factory setting that
+    is not zero, or what they do is harmless at any value.
+    """
     for shape in plan.shapes:
-        instances = plan.instances(shape)
         for use in shape.supplied:
-            found = next((job for job in instances if use.parameter.pnu in job.drive.device.bases), None)
-            if found is not None and use.writes and not given_start(use):
-                device = found.drive.device.key
-                what = "member of the records" if use.recorded else "input"
-                message = f"{use.label} is a limit or reference value of {device}, and its {what} has no start value"
-                help_ = f"write {use.label}: {{start: ..}}, or a constant"
-                help_ = f"write {{parameter: {use.label}, start: ..}}" if use.recorded else help_
-                yield Diagnostic("PG226", message, parameter_span(plan, use), help=help_)
+            if not use.writes or given_start(use):
+                continue
+            found = next((job for job in plan.instances(shape) if use.parameter.pnu in job.drive.device.bases), None)
+            where = parameter_span(plan, use)
+            if found is not None:
+                key, what = found.drive.device.key, "member of the records" if use.recorded else "input"
+                message = f"{use.label} is a limit or reference value of {key}, and its {what} has no start value"
+                yield Diagnostic("PG226", message, where, help=_choose(use))
+            elif not use.recorded and not use.parameter.default and (effect := _effect(plan, shape, use)):
+                message = (
+                    f'if nothing is connected, "{shape.shape}" writes {_written(plan, use)}, '
+                    f"and nobody has chosen that (effect: {effect})"
+                )
+                yield Diagnostic("PG226", message, where, Severity.WARNING, help=_choose(use))
+
+
+def _choose(use: Use) -> str:
+    form = f"{{parameter: {use.label}, start: ..}}" if use.recorded else f"{use.label}: {{start: ..}}, or a constant"
+    return f"write {form}"
+
+
+def _effect(plan: DrivePlan, shape: DriveJob, use: Use) -> str:
+    """Of which class of effect, on the first drive where it matters what is written; empty if it is on none."""
+    if kind_called(shape.kind).fixed:
+        return ""
+    jobs = plan.drive_kinds(shape)
+    return next(
+        filter(None, (job.drive.device.left_to_chance(use.parameter.pnu, job.drive.object_type) for job in jobs)), ""
+    )
 
 
 def left_open(plan: DrivePlan) -> Iterator[Diagnostic]:
