@@ -21,7 +21,7 @@ from plcgen.base.paths import trap_in
 from plcgen.base.programs import candidates, find_program
 from plcgen.build.environment import RenderedFile
 from plcgen.build.writing import add_files
-from plcgen.report.review.revision import _of_interest
+from plcgen.report.revision import _of_interest
 from tests.projects import FAQ
 
 # What Python 3.13 offers in its place does not exist in 3.11.

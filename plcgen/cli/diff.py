@@ -21,7 +21,7 @@ FAIL_ON = ("breaking", "compatible", "any", "never")
     "diff",
     "plcgen diff old/plc plc",
     "plcgen diff old.db new.db --verbose",
-    "plcgen diff main/job.yaml job.yaml --format markdown",
+    "plcgen diff HEAD~1 job.yaml --format markdown",
     "plcgen diff old/plc plc --policy member-renamed=compatible --fail-on any",
     "plcgen diff --list-changes",
 )
@@ -54,8 +54,9 @@ def command(
 ) -> int:
     """Compare two versions of PLC sources or specs as HMIs, PLCs and drives see them.
 
-    OLD and NEW are files (.scl .udt .db .awl, SimaticML), folders, specs or layout locks. Every change is breaking,
-    compatible or documentation. Formatting, comments in code and the order of files do not count as changes.
+    OLD and NEW are files (.scl .udt .db .awl, SimaticML), folders, specs or layout locks. A git revision for one of
+    them means the other as it was there; HEAD~1:job.yaml names a file. Every change is breaking, compatible or
+    documentation. Formatting, comments in code and the order of files do not count as changes.
     """
     out = console()
     if list_changes:
@@ -66,7 +67,7 @@ def command(
         out.result("\n".join(lines) + "\n", output, ("# ", ""))
         return OK
     if len(paths) != 2:
-        raise click.UsageError("give two versions: OLD and NEW")
+        raise click.UsageError("give two versions: OLD and NEW, for example plcgen diff HEAD~1 job.yaml")
     from plcgen import api
 
     result = api.diff(paths[0], paths[1], policy=policy, classic=classic, keep_going=keep_going)

@@ -5,6 +5,9 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
+from tests.cli.conftest import GOOD
+from tests.report.review.reviews import git
+
 OLD = 'DATA_BLOCK "B"\nSTRUCT\n  a : Word; // x\n  b : Word;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n'
 
 
@@ -158,3 +161,66 @@ def test_test_cases(plcgen, versions):
     assert cases(*changed, "--fail-on", "never") == ({"tests": "1", "failures": "0"}, [('DB "B"', ["system-out"])])
     assert cases("old.db", "old.db") == ({"tests": "1", "failures": "0"}, [("nothing changed", [])])
     assert cases("old.db", "no.db") == ({"tests": "1", "failures": "1"}, [("problems", ["failure"])])
+
+
+@pytest.fixture
+def commits(versions, tmp_path):
+    """Two commits: in the second a job writes another value, and a member is inserted into a data block."""
+    versions("", "")
+    (tmp_path / "plant").mkdir()
+    (tmp_path / "plant" / "job.yaml").write_text(GOOD.replace("read: [P50303]", "write: {P50304: 100.0}"), "utf-8")
+    (tmp_path / "old.db").unlink()
+    (tmp_path / "new.db").rename(tmp_path / "plant" / "block.db")
+    git(tmp_path, "init", "--quiet")
+    git(tmp_path, "add", ".")
+    git(tmp_path, "commit", "--quiet", "-m", "first")
+    for name, old, new in (("job.yaml", "100.0", "50.0"), ("block.db", "  b :", "  x : Word;\n  b :")):
+        file = tmp_path / "plant" / name
+        file.write_text(file.read_text("utf-8").replace(old, new), "utf-8")
+    git(tmp_path, "commit", "--quiet", "-am", "second")
+
+
+WRITTEN, MOVED = "P50304 100.0 -> 50.0", "b: moved by +2 bytes"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("HEAD~1", "plant/job.yaml", WRITTEN),
+        ("plant/job.yaml", "HEAD~1", "P50304 50.0 -> 100.0"),
+        ("HEAD~1:plant/job.yaml", "HEAD:plant/job.yaml", WRITTEN),
+        ("HEAD~1:./plant/job.yaml", "plant/job.yaml", WRITTEN),
+        ("HEAD~1", "plant/block.db", MOVED),
+        ("HEAD~1", "plant", MOVED),
+        ("HEAD~1:plant/", "HEAD:plant", MOVED),
+        ("HEAD~1:", ".", MOVED),
+        ("HEAD", "plant/job.yaml", "no semantic differences"),
+    ],
+)
+@pytest.mark.usefixtures("commits")
+def test_a_revision_of_git(plcgen, old, new, said):
+    """It stands for the other side as it was there; ``REV:PATH`` names a file or folder of it, as in git."""
+    result = plcgen("diff", old, new)
+    assert said in result.out, result
+    assert result.err == ""
+    assert "plcgen-base-" not in plcgen("diff", old, new, "--verbose", "--format", "json").out
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("HEAD~9", "plant/job.yaml", '"HEAD~9" is not a folder, a spec or a git revision here'),
+        ("HEAD~1", "HEAD", "name one: HEAD~1:job.yaml"),
+        ("HEAD~1:plant/other.yaml", "plant/job.yaml", "has no other.yaml"),
+        ("HEAD~1:../../x.yaml", "plant/job.yaml", "is not in the repository"),
+        ("--output=x", "plant/job.yaml", "PG901"),
+        ("nothing.scl", "plant/block.db", "No such file"),
+        ("HEAD~1", "", "give two versions: OLD and NEW, for example plcgen diff HEAD~1 job.yaml"),
+    ],
+)
+@pytest.mark.usefixtures("commits")
+def test_no_such_revision(plcgen, old, new, said):
+    """The message names the form that works."""
+    result = plcgen("diff", *filter(None, (old, new)))
+    assert result.code in {1, 2}
+    assert said in " ".join(result.err.split())

@@ -6,23 +6,29 @@ import dataclasses
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity, Span, has_errors
 from plcgen.base.diagnostics.counting import shortlist
 from plcgen.base.files.files import YAML_SUFFIXES
+from plcgen.base.files.options import usage
 from plcgen.report.diff.jobs import compare_jobs
 from plcgen.report.diff.lockfile import read_lock, reduced
 from plcgen.report.diff.planned import spec_snapshot
 from plcgen.report.diff.sentences import sentences
+from plcgen.report.revision import fetched, named, top_of
 from plcgen.s7.compare.blocks import compare_blocks
 from plcgen.s7.compare.model import TAG_TABLE, Change, Comparison, Snapshot
 from plcgen.s7.compare.policy import Level
 from plcgen.s7.compare.policyfile import load_policy
 from plcgen.s7.compare.states import snapshot_of
 from plcgen.s7.read.blocks import Sources, read_sources
+from plcgen.s7.read.files import TEXT_SUFFIXES, XML_SUFFIXES
 
 LOCKS = ".json"
 _STATES = frozenset({*YAML_SUFFIXES, LOCKS})
+_FILES = frozenset({*_STATES, *TEXT_SUFFIXES, *XML_SUFFIXES})
+"""What ends like this is a file, whether it is there or not."""
 _DERIVED = frozenset({"block-text", "member-comment"})
 """What follows from a change of the spec anyway, where both sides are specs. Code and start values do not: which bit an
 input writes, what a sequence waits for and the records of a recipe are in no telegram."""
@@ -41,13 +47,47 @@ def compare(
     A spec against sources means the sources that would be generated from it. ``keep_going``: files with errors are left
     out, with a warning.
     """
-    labels = (_label(old), _label(new))
     try:
         levels = load_policy(policy)
+        with TemporaryDirectory(prefix="plcgen-base-") as room:
+            first, second = _side(old, new, Path(room, "old")), _side(new, old, Path(room, "new"))
+            before, after = _both(first.paths, second.paths, classic=classic, keep_going=keep_going)
+            result = compare_snapshots(before, after, levels, classic=classic)
     except DiagnosticError as problem:
-        return Comparison(*labels, (), problem.diagnostics)
-    before, after = _both(old, new, classic=classic, keep_going=keep_going)
-    return compare_snapshots(before, after, levels, classic=classic)
+        return Comparison(_label(old), _label(new), (), problem.diagnostics)
+    for side in (first, second):
+        result = named(result, side.label, side.root)
+    return result
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class _Side:
+    """Paths of one side; those of a revision lie under ``root``, which means nothing to people."""
+
+    paths: Sequence[Path]
+    label: str = ""
+    root: str = ""
+
+
+def _side(paths: Sequence[Path], other: Sequence[Path], room: Path) -> _Side:
+    """The paths as they are, or what a revision of git has of them: ``HEAD~1`` of the other side, ``HEAD~1:job.yaml``.
+
+    Raises:
+        DiagnosticError: PG901 if there is no such revision.
+    """
+    text = paths[0].as_posix()
+    revision, _, inside = text.partition(":")
+    file = paths[0].suffix.lower() in _FILES and not inside
+    if len(paths) != 1 or paths[0].exists() or file or _is_void(paths) or len(revision) < 2:  # C: is a drive
+        return _Side(paths)
+    if not inside and not other[0].exists():
+        raise usage(text, "neither side is a file or a folder", f"name one: {revision}:job.yaml")
+    top = top_of(text, Path() if inside else other[0], revision)
+    path = other[0] if not inside else Path(inside) if inside.startswith(".") else top / inside
+    label, (found,) = fetched("", revision, [path], room, top)
+    if not found.exists():
+        raise usage(text, f"{label} has no {path.name}", f"what it has: git ls-tree -r --name-only {revision}")
+    return _Side([found], label, f"{room.as_posix()}/")
 
 
 def compare_snapshots(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -23,6 +22,7 @@ from plcgen.report.diff.run import compare, compare_snapshots
 from plcgen.report.review.excerpts import excerpts, sources_of
 from plcgen.report.review.model import LayoutPair, RecordedRun, Review, ReviewedFile, ReviewRequest
 from plcgen.report.review.revision import BaseFiles, base_files
+from plcgen.report.revision import named
 from plcgen.report.trace.run import RunSettings, Simulation
 from plcgen.s7.compare.model import Comparison
 from plcgen.s7.compare.policyfile import load_policy
@@ -130,19 +130,7 @@ def _changes(request: ReviewRequest, base: BaseFiles) -> list[tuple[str, Compari
 
 def _named(comparison: Comparison, base: BaseFiles) -> Comparison:
     """The same with the paths of the base as people know them."""
-    old = comparison.old.removeprefix(base.root) if base.root else comparison.old
-    diagnostics = tuple(replace(d, span=_place(d.span, base)) for d in comparison.diagnostics)
-    changes = tuple(
-        replace(change, old_span=_place(change.old_span, base) if change.old_span else None)
-        for change in comparison.changes
-    )
-    label = f"{base.label}: {old}" if base.root else old
-    return replace(comparison, old=label, diagnostics=diagnostics, changes=changes)
-
-
-def _place(span: Span, base: BaseFiles) -> Span:
-    inside = base.root and span.file.startswith(base.root)
-    return replace(span, file=f"{base.label}: {span.file.removeprefix(base.root)}") if inside else span
+    return named(comparison, base.label, base.root)
 
 
 def _locks(old: Path, new: Path, base: BaseFiles) -> Comparison:

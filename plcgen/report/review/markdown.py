@@ -71,9 +71,9 @@ def _size(lines: Sequence[str]) -> int:
 def _parts(review: Review) -> Iterator[_Part]:
     """Every part, the important first."""
     yield _head(review)
-    yield _Part("What is wrong or worth a look", (), [_problem(review, n) for n in range(len(review.problems))])
     for title, found in review.changes:
         yield _changes(f"Changes: {title}", found)
+    yield _Part("What is wrong or worth a look", (), [_problem(review, n) for n in range(len(review.problems))])
     if review.lock is not None:
         yield _changes("The layout lock against the sources", review.lock)
     yield _writes(review)

@@ -40,7 +40,7 @@ def page_view(review: Review, script: str) -> dict[str, Any]:
     """Everything that the template needs; ``script`` is the text of its only script, permitted by its hash."""
     return {
         **script_view(script),
-        "parts": PARTS,
+        "parts": [PARTS[1], PARTS[0], *PARTS[2:]] if review.changes else PARTS,
         "roles": ROLES,
         "review": review,
         "verdict": verdict(review),

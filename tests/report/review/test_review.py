@@ -210,6 +210,21 @@ def test_against_a_revision(repository):
 
 
 @pytest.mark.slow
+def test_what_changed_stands_first(repository):
+    """Of a review against something; the sentence of a job stands before the verdict, on the page and as Markdown."""
+    said = "P50304 100.0 -&gt; 50.0"
+    for against, titles in (("HEAD", ["1 What changed", "2 Verdict"]), ("", ["1 Verdict", "2 What changed"])):
+        review = api.review(repository / "job.yaml", repository / "plc", against=against, faults="none")
+        page, text = show("html", review), show("markdown", review)
+        assert re.findall(r"<h2>(.*?)</h2>", page)[:2] == titles
+        links = re.findall(r'<a href="#\w+">(\d&nbsp;[\w ]+)</a>', page)[:2]
+        assert [link.replace("&nbsp;", " ") for link in links] == titles
+        if against:
+            assert re.sub("<wbr>", "", page).index(said) < page.index("Verdict</h2>")
+            assert text.index("Changes: the spec") < text.index("Write list")
+
+
+@pytest.mark.slow
 def test_against_a_folder_and_a_spec(repository, tmp_path_factory):
     """A folder with a spec of the same name is compared as a spec, one with sources alone as sources."""
     before = tmp_path_factory.mktemp("before")
