@@ -27,9 +27,9 @@ class Desk:
         found = self.workspace.complete(*self.open(text, name))
         return {one.label: (one.edit.text, one.detail) for one in found}
 
-    def hover(self, text: str) -> str:
+    def hover(self, text: str, name: str = "plant.yaml") -> str:
         """Everything that is shown at the cursor, in one text."""
-        found = self.workspace.hover(*self.open(text))
+        found = self.workspace.hover(*self.open(text, name))
         if found is None:
             return ""
         page = found.page

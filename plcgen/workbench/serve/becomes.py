@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import threading
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -53,11 +53,15 @@ class Maker:
             return self._last[2]
 
 
+def sources(made: Made) -> Iterator[tuple[str, str]]:
+    """Names and texts of the sources."""
+    texts = ((name, decode_source(file.data, name)) for name, file in made.files.items() if name.endswith(SOURCES))
+    return ((name, text) for name, text in texts if isinstance(text, str))
+
+
 def sheet(made: Made) -> dict[str, Any]:
     """Telegrams, write list and partners, with the lines of the sources that declare or set each member."""
     found = sheet_of(made.project)
-    texts = ((name, decode_source(file.data, name)) for name, file in made.files.items() if name.endswith(SOURCES))
-    sources = ((name, text) for name, text in texts if isinstance(text, str))
     return {
         "project": made.project.name,
         "target": f"{made.project.target.family} / {made.project.target.toolchain}",
@@ -68,7 +72,7 @@ def sheet(made: Made) -> dict[str, Any]:
                 "file": one.file,
                 "lines": [{"number": line.number, "text": line.text, "member": line.member} for line in one.lines],
             }
-            for one in excerpts(sources, found.exchanges)
+            for one in excerpts(sources(made), found.exchanges)
         ],
     }
 

@@ -23,6 +23,7 @@ from plcgen.workbench.serve.running import MAX_SCANS, Live
 from plcgen.workbench.serve.tools import MAX_DROPPED
 from plcgen.workbench.serve.working import Worker
 from plcgen.workbench.service.documents import Document
+from plcgen.workbench.service.panel import tags_of
 from plcgen.workbench.service.specs.form import put_in
 from plcgen.workbench.service.workspace import Workspace
 
@@ -296,6 +297,12 @@ class Desk:
         if found is None:
             raise wrong(asked.path, "there is no such file")
         return found
+
+    def tags(self, asked: Text) -> dict[str, Any]:
+        """What a panel needs: members of the data blocks by name and address."""
+        made = self.made(asked)
+        found = tags_of(made.project, becomes.sources(made))
+        return {"blocks": [{"name": name, "tags": [tag._asdict() for tag in tags]} for name, tags in found.items()]}
 
     def write(self, asked: Save) -> dict[str, Any]:
         """Save the spec and generate its folder, as ``plcgen generate`` does."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from plcgen.base.diagnostics import DiagnosticError, Span
-from plcgen.s7.layout.layout import Layout, layout_block, locate
+from plcgen.s7.layout.layout import Entry, Layout, layout_block, locate
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.lexer import LOCAL, QUOTED
 from plcgen.s7.types.blocks import Block, BlockKind, SectionKind
@@ -218,16 +218,15 @@ def layout_of(block: Block, types: Mapping[str, Block]) -> Layout | None:
         return None
 
 
-def place_of(meant: Meant, types: Mapping[str, Block]) -> tuple[int, int, int] | None:
-    """Byte, bit and size in bits of a member in its block; None if it has no place there, or that is not known."""
+def entry_of(meant: Meant, types: Mapping[str, Block]) -> Entry | None:
+    """Where a member lies in its block; None if it has no place there, or that is not known."""
     layout = layout_of(meant.root, types) if meant.path else None
     if layout is None:
         return None
     try:
-        entry = locate(layout, meant.path)
+        return locate(layout, meant.path)
     except UnknownPathError:
         return None
-    return entry.byte, entry.bit, entry.size
 
 
 def definition(state: SourceState, line: int, column: int) -> Span | None:

@@ -28,18 +28,18 @@ from plcgen.s7.scl.lexer import (
     Comment,
     Tokens,
 )
-from plcgen.s7.tables.tables import member_address, size_text
+from plcgen.s7.tables.panel import PanelTag, panel_tag
+from plcgen.s7.tables.tables import size_text
 from plcgen.s7.types.blocks import Block, BlockKind, SectionKind, block_title
 from plcgen.s7.types.data_types import elementary
 from plcgen.s7.types.spelling import type_text
 from plcgen.workbench.service.results import Hover, Signature, SignaturePart, Symbol, SymbolKind, Token, TokenKind
-from plcgen.workbench.service.sources.names import Meant, meaning, meant_at, place_of, system_block
+from plcgen.workbench.service.sources.names import Meant, entry_of, meaning, meant_at, system_block
 
 if TYPE_CHECKING:
     from plcgen.workbench.service.sources.state import SourceState
 
 _PASSED = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
-_BYTE = (8, 16, 32)
 MOST_MEMBERS = 2_000
 """Members of an outline; an editor shows no more."""
 
@@ -68,20 +68,24 @@ def _member(state: SourceState, meant: Meant) -> Page:
     root, facts = meant.root, [f"type: {type_text(member.type)}"]
     if meant.section is not None and root.kind not in {BlockKind.UDT, BlockKind.DB}:
         facts.append(f"section: {meant.section.value}")
-    place = None if meant.section in {SectionKind.TEMP, SectionKind.CONSTANT} else place_of(meant, state.types)
-    if place is not None and root.optimized:
+    entry = None if meant.section in {SectionKind.TEMP, SectionKind.CONSTANT} else entry_of(meant, state.types)
+    if entry is not None and root.optimized:
         facts.append("optimized access: no offset")
-    elif place is not None:
-        byte, bit, bits = place
-        facts.append(f"offset: {byte}.{bit} in {block_title(root.kind, root.number, root.name)}")
-        if root.kind is BlockKind.DB:
-            single = None if bits in _BYTE or bits > 32 else bit
-            facts.append(f"address: {member_address(root.number, byte, single, bits)}")
-        facts.append(f"size: {size_text(bits)}")
+    elif entry is not None:
+        facts.append(f"offset: {entry.byte}.{entry.bit} in {block_title(root.kind, root.number, root.name)}")
+        facts.append(f"size: {size_text(entry.size)}")
     facts += [f"start value: {member.start}"] if member.start is not None else []
     sections = [("Facts", "\n".join(facts))]
+    if entry is not None and root.kind is BlockKind.DB:
+        sections.append(("In a panel", "\n".join(_reached(root, panel_tag(root, entry)))))
     sections += [("Comment", member.comment)] if member.comment else []
     return Page(member.name, type_text(member.type), tuple(sections))
+
+
+def _reached(root: Block, tag: PanelTag) -> list[str]:
+    """How a panel reaches a member."""
+    why = "none: optimized access" if root.optimized else "none: this source gives the block no number"
+    return [f"symbolic (S7-1200/1500): {tag.symbolic}", f"absolute: {tag.absolute or why}"]
 
 
 def _block(block: Block) -> Page:
