@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import gc
+import shutil
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
+from plcgen.base.diagnostics import DiagnosticError
 from plcgen.s7.cpu.program import Program
 from plcgen.s7.cpu.sources import check_source
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.scl.instructions import parameters
 from plcgen.workbench.service import Document, Symbol
 from plcgen.workbench.service.sources import state as source_state
+from tests.projects import ROOT
 from tests.s7.sd_documents import PAIRS
-from tests.workbench.desk import Desk
+from tests.workbench.desk import Desk, edited
 
 UDT = """TYPE "Point"
   STRUCT
@@ -167,6 +170,80 @@ def test_signatures(desk: Desk) -> None:
     assert shown(FB.replace("MX := 10.0", "MX := 10|.0")) == ("LIMIT(MN, IN, MX)", 2)
     assert shown(FB.replace("LIMIT(MN := 0.0, IN := #speed, MX := 10.0)", "LIMIT(0.0, |)")) == ("LIMIT(MN, IN, MX)", 1)
     assert shown(FB.replace("#i := #i + 1", "#i := |#i + 1")) == ("", 0)
+
+
+def renamed(desk: Desk, text: str, name: str, new: str) -> dict[str, str]:
+    """Every text of the folder after what stands at the cursor has another name."""
+    document, line, column = desk.open(text, name)
+    edits = desk.workspace.rename(document, line, column, new)
+    texts = {path.name: path.read_text("utf-8") for path in desk.folder.iterdir()} | {name: document.text}
+    places = {file: tuple(one for one in edits if Path(one.span.file).name == file) for file in texts}
+    return {file: edited(text, places[file]) for file, text in texts.items()}
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "new", "changed"),
+    [
+        (FB.replace("speed : Real", "spe|ed : Real"), "mover.scl", "pace",
+         {"mover.scl": FB.replace("speed", "pace"), "main.scl": OB.replace("speed", "pace")}),
+        (OB.replace("speed :=", "|speed :="), "main.scl", "pace",
+         {"mover.scl": FB.replace("speed", "pace"), "main.scl": OB.replace("speed", "pace")}),
+        (FB.replace("#i + 1", "#|i + 1"), "mover.scl", "two words",
+         {"mover.scl": FB.replace("  i : Int", '  "two words" : Int').replace("#i", '#"two words"')}),
+        (UDT.replace("  y :", "  |y :"), "point.udt", "height",
+         {"point.udt": UDT.replace("y :", "height :"), "mover.scl": FB.replace(".y", ".height"),
+          "plant.db": DB.replace(".y", ".height")}),
+        (FB.replace('"Mover"', '"Mo|ver"'), "mover.scl", "Slider",
+         {"mover.scl": FB.replace('"Mover"', '"Slider"'), "main.scl": OB.replace('"Mover"', '"Slider"')}),
+        (FB.replace('"Plant".deep', '"Pl|ant".deep'), "mover.scl", "Site",
+         {"mover.scl": FB.replace('"Plant"', '"Site"'), "plant.db": DB.replace('"Plant"', '"Site"')}),
+    ],
+)  # fmt: skip
+def test_another_name(text: str, name: str, new: str, changed: dict[str, str], desk: Desk) -> None:
+    """A parameter with the arguments of its calls, a local variable, a member of a type, blocks: everywhere, and
+    nothing of the same name besides; with quotes where the new name needs them.
+    """
+    before = {"mover.scl": FB, "main.scl": OB, "plant.db": DB, "point.udt": UDT}
+    assert renamed(desk, text, name, new) == before | changed
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("spe|ed : Real", "done", "already"),
+        ("spe|ed : Real", "END_IF", "reserved"),
+        ("spe|ed : Real", "a.b", "not allowed"),
+        ("w|ait : TON", "Mover", None),
+        ("TO|N", "x", "no name|system"),
+        ("#wait(|IN", "x", "system"),
+        ('FUNCTION_BLOCK "Mo|ver"', "Plant", "already"),
+        ("#i := #i| + 1", "speed", "already"),
+        ("#i := |#i + ;", "j", "cannot be read whole"),
+    ],
+)
+def test_a_name_that_cannot_be_given(old: str, new: str, said: str | None, desk: Desk) -> None:
+    """It is refused with the reason; a member may be called as a block is."""
+    whole = old.replace("|", "")
+    text = FB.replace("#i + 1;", "#i + ;") if whole not in FB else FB
+    assert whole in text
+    if said is None:
+        assert renamed(desk, text.replace(whole, old), "mover.scl", new)
+        return
+    with pytest.raises(DiagnosticError, match=said):
+        renamed(desk, text.replace(whole, old), "mover.scl", new)
+
+
+def test_what_is_generated_keeps_its_names(desk: Desk) -> None:
+    """A file of a manifest, or a second program in the folder with the same block: the reason names what to do."""
+    shutil.copytree(ROOT / "examples/s7-1500_g120_pn/expected", desk.folder / "made")
+    source = desk.folder / "made/Pump_station.scl"
+    text = source.read_text("utf-8-sig").replace('FUNCTION_BLOCK "', 'FUNCTION_BLOCK "|', 1)
+    with pytest.raises(DiagnosticError, match="generated from a spec"):
+        desk.workspace.rename(*desk.open(text, "made/Pump_station.scl"), "other")
+    (desk.folder / "copy.scl").write_text(FB, "utf-8")
+    desk.workspace.changed()
+    with pytest.raises(DiagnosticError, match=r"more than once: mover.scl and copy.scl"):
+        renamed(desk, FB.replace("spe|ed", "speed").replace("speed : Real", "spe|ed : Real"), "mover.scl", "pace")
 
 
 @pytest.mark.parametrize("name", sorted(parameters()))

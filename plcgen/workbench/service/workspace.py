@@ -95,13 +95,16 @@ class Workspace:
         return source_references(self.sources, document, line, column) if is_source(document) else ()
 
     def rename(self, document: Document, line: int, column: int, name: str) -> tuple[Edit, ...]:
-        """Edits that give what stands at a place of a spec another name.
+        """Edits that give what stands at a place another name, wherever it is named.
 
         Raises:
             DiagnosticError: why that cannot be done.
         """
+        from plcgen.workbench.service.sources import renaming
         from plcgen.workbench.service.specs.names import rename
 
+        if is_source(document):
+            return renaming.rename(self.sources, document, line, column, name)
         edits = rename(self.specs, document, line, column, name) if document.is_yaml else ()
         outside = next((edit.span for edit in edits if not self.documents.writable(edit.span.file)), None)
         if outside is not None:
@@ -110,8 +113,11 @@ class Workspace:
 
     def name_at(self, document: Document, line: int, column: int) -> Span | None:
         """The place of the name that ``rename`` would change."""
+        from plcgen.workbench.service.sources.renaming import name_place
         from plcgen.workbench.service.specs.names import name_at
 
+        if is_source(document):
+            return name_place(self.sources.state(document), line, column)
         found = name_at(self.specs.state(document), line, column) if document.is_yaml else None
         return None if found is None else found[1]
 

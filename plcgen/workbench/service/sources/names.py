@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from plcgen.base.diagnostics import DiagnosticError, Span
 from plcgen.s7.layout.layout import Entry, Layout, layout_block, locate
 from plcgen.s7.scl import ast
-from plcgen.s7.scl.lexer import LOCAL, QUOTED
+from plcgen.s7.scl.lexer import LOCAL, QUOTED, Tokens
 from plcgen.s7.types.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.types.data_types import ArrayType, DataType, Member, NamedType, StructType
 from plcgen.s7.types.errors import UnknownPathError
@@ -67,6 +67,9 @@ def meaning(state: SourceState, at: int) -> Meant | None:
     declared = None if unit is None else _declaration_at(unit, tokens.starts[at])
     if declared is not None and own is not None:
         return walk_to(own, [Step(name) for name in declared], state.types)
+    callee = _callee(tokens, at)
+    if callee is not None:
+        return _argument(state, at, callee)
     steps = written(state, at)
     if not steps:
         return None
@@ -80,6 +83,49 @@ def meaning(state: SourceState, at: int) -> Meant | None:
     if block is None:
         return None
     return Meant(block, None, "", ()) if len(steps) == 1 else walk_to(block, steps[1:], state.types)
+
+
+_FARTHEST = 4_000
+"""Tokens in front of an argument among which its call begins."""
+
+
+def _callee(tokens: Tokens, at: int) -> int | None:
+    """The name of what is called, if a token names an argument of a call."""
+    kinds = tokens.kinds
+    if not 1 < at < len(kinds) - 1 or kinds[at + 1] not in {":=", "=>"} or kinds[at - 1] not in {"(", ","}:
+        return None
+    depth = 0
+    for back in range(at - 1, max(at - _FARTHEST, 0), -1):
+        kind = kinds[back]
+        if kind in {")", "]"}:
+            depth += 1
+        elif kind in {"(", "["} and depth:
+            depth -= 1
+        elif kind == "(":
+            return back - 1 if kinds[back - 1] in NAMES else None
+        elif kind in {";", "["}:
+            return None
+    return None
+
+
+def _argument(state: SourceState, at: int, callee: int) -> Meant | None:
+    """The parameter that an argument is for: of a block, or of the block of an instance."""
+    tokens = state.tokens
+    called = meaning(state, callee)
+    if called is None:  # V5 calls FB10.DB20
+        block = state.types.get(_bare(tokens.texts[callee]).upper())
+        called = None if block is None else Meant(block, None, "", ())
+    if called is None:
+        return None
+    name = Step(_bare(tokens.texts[at]))
+    if called.member is None:
+        return walk_to(called.root, [name], state.types)
+    owner, members = members_of(called.member, called.owner, state.types)
+    member = next((one for one in members if one.name.upper() == name.name.upper()), None)
+    if member is None:
+        return None
+    quoted = f'"{member.name}"' if not member.name.isidentifier() else member.name
+    return Meant(called.root, member, f"{called.path}.{quoted}", owner, called.section)
 
 
 def _declaration_at(unit: ast.Unit, offset: int) -> list[str] | None:

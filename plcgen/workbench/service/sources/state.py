@@ -191,18 +191,17 @@ class Sources:
         for other in sorted(self.files(), key=lambda one: _distance(path, one)):
             if other == path:
                 continue
-            document = self.documents.find(other)
-            if document is not None:
-                blocks: Sequence[Block] = self.state(document).blocks
-            else:
-                kept = self._declarations(other)
-                room -= kept.stamp[1]
-                blocks = kept.blocks
-            for block in blocks:
+            for block in self.blocks_of(other):
                 found.setdefault(block.name.upper(), block)
+            room -= self._kept[other].stamp[1] if other in self._kept else 0
             if room < 0:
                 break
         return found
+
+    def blocks_of(self, path: pathlib.Path) -> Sequence[Block]:
+        """The blocks that a file declares, as it is open or on disk."""
+        document = self.documents.find(path)
+        return self.state(document).blocks if document is not None else self._declarations(path).blocks
 
     def _declarations(self, path: pathlib.Path) -> _Kept:
         """The declarations of a file on disk, read again only if it is another one than before."""
