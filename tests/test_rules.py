@@ -46,7 +46,7 @@ def test_the_template_was_understood() -> None:
     names = _block_names()
     assert {
         "execute",
-        "errorInfos",
+        "diagnosis",
         "driveObject",
         "unit",
         "statOrder",

@@ -42,7 +42,7 @@ def structure(frame: Frame, command: Command) -> MemberRow:
     It may have no members: an empty structure is not declared.
     """
     inner = [signal for signal in command.signals if signal.name not in command.flags]
-    values = [value.member for value in (*command.inputs, *command.outputs)]
+    values = [value.member for value in (*command.inputs, *command.outputs, *command.shared)]
     return plain(frame, command.member, "Struct", command.title)._replace(members=(*inner, *values))
 
 
@@ -75,7 +75,7 @@ def watch_rows(command: Command) -> Iterator[WatchRow]:
             "Hex" if signal.name == "status" else "Bool",
             "TRUE" if signal.name == "execute" else "",
         )
-    for value in (*command.inputs, *command.outputs):
+    for value in (*command.inputs, *command.outputs, *command.shared):
         for suffix, shown in value.shown:
             yield WatchRow(signal_operand(command, value.member.name) + suffix, "", shown, "")
 

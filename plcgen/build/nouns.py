@@ -103,7 +103,8 @@ def _same(name: str) -> str:
 class Command:
     """A job as its caller sees it: a structure ``member`` of the DB ``control``, or where else the spec places signals.
 
-    ``pin`` gives the name of a signal or value at the block, ``prefix`` stands in front of the names of its tags.
+    ``shared`` are values that the block works on where they lie, in the DB ``control``. ``pin`` gives the name of a
+    signal or value at the block, ``prefix`` stands in front of the names of its tags.
     """
 
     control: BlockRef
@@ -115,6 +116,7 @@ class Command:
     outputs: Sequence[CallerValue]
     pin: Callable[[str], str] = _same
     prefix: str = ""
+    shared: Sequence[CallerValue] = ()
 
 
 @dataclass(frozen=True, slots=True)

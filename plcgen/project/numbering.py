@@ -11,7 +11,7 @@ from plcgen.project.target import Target
 from plcgen.s7.types.names import shorten
 
 V5_SYMBOL_LENGTH = 24
-_ROLE = re.compile(r"(?:_Request[0-9]*|_Response[0-9]*|_DB|_WrRec|_RdRec|_Send|_Receive|_Buffer|Token)\Z")
+_ROLE = re.compile(r"(?:_Request[0-9]*|_Response[0-9]*|_Diagnosis|_DB|_WrRec|_RdRec|_Send|_Receive|_Buffer|Token)\Z")
 
 
 class Numbering:

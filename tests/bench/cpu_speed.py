@@ -78,12 +78,12 @@ def own_instance(folder: Path, dialect: Dialect, name: str) -> tuple[str, str]:
     v5 = dialect is Dialect.STEP7_V5
     (source,) = folder.glob("*.scl")
     text = source.read_bytes().decode("cp1252" if v5 else "utf-8-sig")
-    unit = re.search(rf"\b{name[0].lower()}{name[1:]}\(.*?unit := ([\w\".]+)", text, re.DOTALL)
-    assert unit is not None
+    places = re.search(rf"\b{name[0].lower()}{name[1:]}\(.*?(unit := [\w\".]+, diagnosis := [\w\".]+)", text, re.DOTALL)
+    assert places is not None
     access = "" if v5 else "{ S7_Optimized_Access := 'FALSE' }\n"
     call = f'"{name}"."Bench_DB"' if v5 else '"Bench_DB"'
     block = f'DATA_BLOCK "Bench_DB"\n{access}"{name}"\nBEGIN\nEND_DATA_BLOCK\n'
-    block += f'FUNCTION "Bench" : VOID\n{access}BEGIN\n{call}(unit := {unit[1]});\nEND_FUNCTION\n'
+    block += f'FUNCTION "Bench" : VOID\n{access}BEGIN\n{call}({places[1]});\nEND_FUNCTION\n'
     return "bench.scl", block
 
 

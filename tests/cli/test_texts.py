@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import re
 import zipfile
+from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -57,7 +58,7 @@ def test_documents_for_openness(plcgen):
     """One a list: From and To are the value in decimal digits, 16#8401 = 8 * 4096 + 4 * 256 + 1 = 33793."""
     assert plcgen("texts", "--format", "xml", "--language", "zh-CN", "--tia", "V19").code == 0
     assert sorted(path.name for path in Path("texts").iterdir()) == [
-        "DriveFaultClasses.xml", "DriveJobErrors.xml", "DriveJobStatus.xml",
+        "DriveFaultClasses.xml", "DriveJobErrors.xml", "DriveJobStatus.xml", "DriveRecordStatus.xml",
     ]  # fmt: skip
     root = ET.parse("texts/DriveJobStatus.xml").getroot()  # noqa: S314
     (entry,) = [e for e in root.iter("Hmi.TextGraphicList.TextListEntry") if e.findtext(".//From") == "33793"]
@@ -83,7 +84,7 @@ def test_nothing_lacks_a_translation():
     known = translations()
     assert list(known["status"]) == [word for _, word, _ in STATUS_WORDS]
     assert tuple(known["error"]) == known_numbers()
-    for name in ("status", "result", "error", "fault_class"):
+    for name in ("status", "result", "error", "fault_class", "record"):
         assert all({*texts, "en"} == set(LANGUAGES) for texts in known[name].values()), name
     assert set(known["came"]) == set(LANGUAGES)
 
@@ -98,9 +99,22 @@ def test_values_are_different():
 
 def test_a_class_stands_with_both_its_numbers():
     """CU230P-2 fieldbus function manual p. 48: 900D hex is the braking module; class 14 of a count from 1."""
-    texts = {entry.value: entry.texts["en-US"] for entry in text_lists(["en-US"])[2].entries}
+    texts = {entry.value: entry.texts["en-US"] for entry in text_lists(["en-US"])[3].entries}
     assert texts[0x900D] == texts[14] == "braking module faulted"
     assert texts[0x9013] == "auxiliary unit faulted"
+
+
+def test_every_record_status_has_a_text_of_its_own_meaning():
+    """A code whose English text differs from that of the code before it has a translation of its own."""
+    entries = text_lists(["en-US", "de-DE", "zh-CN"])[2].entries
+    assert entries[0].value == 0
+    assert {entry.value for entry in entries} >= {0x80B5, 0x80A1, 0x80C3, 0x80FF}
+    for before, entry in pairwise(entries):
+        same = entry.texts["en-US"] == before.texts["en-US"]
+        assert (entry.texts["de-DE"] == before.texts["de-DE"], entry.texts["zh-CN"] == before.texts["zh-CN"]) == (
+            same,
+            same,
+        ), hex(entry.value)
 
 
 def test_numbers_of_other_makers():

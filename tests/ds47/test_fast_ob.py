@@ -23,10 +23,11 @@ FAST = """FUNCTION_BLOCK "FastCalls"
 VAR
   fast : "ReadSpeed";
   count : Int;
+  diagnosis : "typeReadSpeed_Diagnosis";
 END_VAR
 BEGIN
 #fast(execute := NOT #fast.done AND NOT #fast.error, hardwareId := 270, driveObject := B#16#01, slot := 2,
-  unit := "PumpUnit".unit);
+  unit := "PumpUnit".unit, diagnosis := #diagnosis);
 IF #fast.done THEN #count := #count + 1; END_IF;
 END_FUNCTION_BLOCK
 DATA_BLOCK "Fast_DB"

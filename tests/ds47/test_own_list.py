@@ -25,7 +25,7 @@ Name;Address;Display format;Monitor value;Modify value
 "DriveJobs".readList.p980[1];%DB471.DBW22;Hex;16#03B0;
 "DriveJobs".readList.p980[2];%DB471.DBW24;DEC;61000;
 "DriveJobs".readList.p980[3];%DB471.DBW26;DEC;0;
-"DriveJobs".readList.errors[1];%DB471.DBW28;Hex;16#0000;
+"DriveJobs".readList.diagnosis.errors[1];%DB471.DBW32;Hex;16#0000;
 """
 """944 is 16#03B0. Three parameters beside 980 and four elements: so AC4 fills r980 (pdrv_pardatabase_ac4.c)."""
 SNAPSHOT = """\

@@ -67,8 +67,8 @@ def test_main_has_one_line(sources: dict[str, str]) -> None:
 
 
 def test_work_memory(tmp_path: Path) -> None:
-    """At most 42 KB on an S7-300 by the rules of plcgen/s7/memory/README.md."""
+    """At most 45 KB on an S7-300 by the rules of plcgen/s7/memory/README.md."""
     api.generate(ROOT / "specs" / "s7-300_plant_v5.yaml", tmp_path / "out")
     found = estimate(tmp_path / "out", Dialect.STEP7_V5)
     assert not found.diagnostics
-    assert found.total <= 42 * 1024, found.summary()
+    assert found.total <= 45 * 1024, found.summary()

@@ -155,7 +155,13 @@ DAMAGE = {
     "expected type": ("Get", "", "DW#16#08010004;  // P1120", "DW#16#07010004;", "expected of P1120"),
     "expected number": ("Get", "", "DW#16#06080010", "DW#16#06070010", "expected of r945"),
     "swapped outputs": ("Get", "", "View.rampUpTime", "View.rampDownTime", "rampUpTime is"),
-    "output of another parameter": ("Get", "", "#errors[2] = W", "#errors[1] = W", "is .* instead of"),
+    "output of another parameter": (
+        "Get",
+        "",
+        "#diagnosis.errors[2] = W",
+        "#diagnosis.errors[1] = W",
+        "is .* instead of",
+    ),
     "drive object of the spec": (
         "Get",
         "",
@@ -177,8 +183,8 @@ DAMAGE = {
     "errors kept": (
         "Get",
         "",
-        "#errors[#tempIndex] := #unit",
-        "#errorInfos[#tempIndex] := #unit",
+        "#diagnosis.errors[#tempIndex] := #unit",
+        "#diagnosis.errorInfos[#tempIndex] := #unit",
         "errors",
     ),
 }

@@ -43,12 +43,14 @@ def added(tmp_path_factory: pytest.TempPathFactory) -> Comparison:
 
 
 def test_one_parameter_more_is_one_sentence(added: Comparison) -> None:
-    """A job of 4 bytes of signals and two REALs lies every 12 bytes; with a third one, every 16."""
+    """4 bytes of signals, two REALs and a diagnosis of 6 words: a job every 24 bytes; with a third REAL, every 32."""
     first, second = added.sentences
-    assert first.text.startswith("r26 added after r27; actualF01.status now at DriveJobs.DBW18 (was DBW14)")
+    assert first.text.startswith(
+        "r26 added after r27; actualF00.diagnosis.recordStatus now at DriveJobs.DBW16 (was DBW12)"
+    )
     assert (first.who, len(first.partners)) == ("actual, 20 drives", 20)
     assert second.who == "ramps, 20 drives"
-    assert second.text.startswith("rampsF00.status now at DriveJobs.DBW322 (was DBW242)")
+    assert second.text.startswith("rampsF00.status now at DriveJobs.DBW642 (was DBW482)")
     assert first.span is not None
     assert first.span.line == 24
 
@@ -64,13 +66,13 @@ def test_the_text_is_short_and_the_engine_closed(added: Comparison) -> None:
 
 
 def test_markdown_is_short_and_github_has_one_annotation_for_each_job(added: Comparison) -> None:
-    """Below 20 kB; jobs at their lines, the data block once."""
+    """Below 20 kB; jobs at their lines, the data block and the type in it once."""
     markdown = shown("markdown", added)
     assert len(markdown.encode()) < 20_000
     assert markdown.index("**actual, 20 drives**: r26 added after r27") < markdown.index("<details>")
     annotations = shown("github", added).splitlines()
     assert [line.partition("::breaking: ")[2].partition(":")[0] for line in annotations] == [
-        "actual, 20 drives", "ramps, 20 drives", 'DB "DriveJobs"',
+        "actual, 20 drives", "ramps, 20 drives", 'DB "DriveJobs"', 'UDT "typeActual_Diagnosis"',
     ]  # fmt: skip
     assert ",line=24," in annotations[0]
 

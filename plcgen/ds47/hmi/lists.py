@@ -1,4 +1,4 @@
-"""The text lists of drive jobs: what ``status`` and ``errors`` of a job mean, and the fault classes of PROFIdrive.
+"""The text lists of drive jobs: what ``status``, ``errors``, ``recordStatus`` mean, and fault classes of PROFIdrive.
 
 English stands where the blocks have it (``words.py``, ``error_numbers.toml``); ``texts.toml`` has the other languages.
 """
@@ -15,6 +15,7 @@ from plcgen.build.text_lists import TextEntry, TextList
 from plcgen.ds47.messages import all_messages
 from plcgen.ds47.wire.errors import Table, error_text, known_numbers
 from plcgen.ds47.wire.formats import FORMATS
+from plcgen.ds47.wire.status import explain_word, known_words
 from plcgen.ds47.words import STATUS_WORDS
 
 LANGUAGES = ("en", "de", "zh")
@@ -35,7 +36,7 @@ def translations() -> Mapping[str, Any]:
 
 
 def text_lists(cultures: Sequence[str], errors: Table = "sinamics", families: Sequence[str] = ()) -> list[TextList]:
-    """The three lists, in these cultures; one of a language without texts has the English ones.
+    """The four lists, in these cultures; one of a language without texts has the English ones.
 
     ``errors`` is the table of error numbers that the device has; with the ``families`` of its messages come two lists
     more, DriveFaults and DriveAlarms, whose titles are in English alone.
@@ -43,6 +44,7 @@ def text_lists(cultures: Sequence[str], errors: Table = "sinamics", families: Se
     return [
         _list("DriveJobStatus", cultures, _status()),
         _list("DriveJobErrors", cultures, _errors(errors)),
+        _list("DriveRecordStatus", cultures, _record()),
         _list("DriveFaultClasses", cultures, _classes()),
         *(_list(name, cultures, _messages(kind, families)) for name, kind in _BUFFERS.items() if families),
     ]
@@ -81,6 +83,16 @@ def _errors(table: Table) -> Iterator[tuple[int, Mapping[str, str]]]:
             yield _ANSWERED | number, {"en": found.meaning, **known["error"][number]}
     for one in FORMATS:
         yield _CAME | one.code, {language: text.format(type=one.name) for language, text in known["came"].items()}
+
+
+def _record() -> Iterator[tuple[int, Mapping[str, str]]]:
+    """What ``recordStatus`` may be: bytes 2 and 3 of STATUS of a record job that has ended."""
+    known = translations()
+    texts: Mapping[str, str] = {}
+    yield 0, known["result"][0]
+    for word in known_words():
+        texts = known["record"].get(word, texts)
+        yield word, {"en": explain_word(word).text, **texts}
 
 
 def _classes() -> Iterator[tuple[int, Mapping[str, str]]]:

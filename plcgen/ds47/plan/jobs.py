@@ -103,6 +103,7 @@ class DriveJobPlanner:
         telegrams = tuple(_telegram(index, parts, job, name, context) for index, parts in enumerate(packed, 1))
         block = numbering.block("FB", given or name, (*path, "block"), job.block.number, given=bool(given))
         timeout = _timeout(job, uses)
+        diagnosis = numbering.block("UDT", f"type{name}_Diagnosis", path)
         listed = _listed(job, kind, uses, name, numbering, path)
         size = footprint(uses, telegrams, listed)
         recipe = self._recipe(job, kind, key, uses, first)
@@ -121,6 +122,7 @@ class DriveJobPlanner:
                 own=uses_of[drive.key],
                 telegrams=telegrams,
                 block=block,
+                diagnosis=diagnosis,
                 trigger=self._trigger(job, path) if drive is first else PlannedTrigger(),
                 reference=reference,
                 timeout=timeout,

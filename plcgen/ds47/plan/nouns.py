@@ -186,7 +186,7 @@ class DriveJob(PlannedJob):
     that a change is never sent again without knowing what became of it. ``uses`` are those of the block, as its first
     drive knows the parameters, ``own`` the same accesses as this drive knows them: what it says of access, danger and
     grades. Instances whose drives know them alike have the same ``own``.
-    ``then`` is the kind of what it does behind its own, if any.
+    ``diagnosis`` is the type of what is told of a failure. ``then`` is the kind of what it does behind its own, if any.
     ``clock`` is the type of the time at its input, if it sets a clock. ``cycle`` is the time in ms from one start to
     the next, 0 if only an edge starts it.
     """
@@ -200,6 +200,7 @@ class DriveJob(PlannedJob):
     uses: tuple[Use, ...]
     own: tuple[Use, ...]
     block: BlockRef
+    diagnosis: BlockRef
     reference: int
     retry_pause: int
     retries: int

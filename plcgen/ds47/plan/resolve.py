@@ -53,7 +53,7 @@ def plan_drives(protocol: Protocol, loaded: LoadedSpec, numbering: Numbering, re
             seen.add(one.shape)
             buffers = [buffer for telegram in one.telegrams for buffer in (telegram.request, telegram.response)]
             blocks += [block for buffer in buffers for block in (buffer.type, buffer.db) if block is not None]
-            blocks += [one.block] if one.listed is None else [one.listed.type, one.block]
+            blocks += [one.diagnosis, one.block] if one.listed is None else [one.diagnosis, one.listed.type, one.block]
     return DrivePlan(
         protocol=protocol,
         loaded=loaded,

@@ -93,6 +93,7 @@ def _job(plan: DrivePlan, job: DriveJob, stated: Stated, found: dict[str, str] |
         request, response = job.telegrams[0].request.home, job.telegrams[0].response.home
         wanted |= {"requestDb": f'"{request.name}"', "responseDb": f'"{response.name}"'}
     control = f'"{job.caller.control.name}".'
+    wanted["diagnosis"] = f"{control}{job.member}.diagnosis"
     for signal, flag in job.trigger.items():
         wanted[signal] = f'"{plan.prefix}{job.member}{signal}"' if isinstance(flag, Address) else flag.text()
     for name, place in found.items():  # every other signal is that of the job

@@ -103,6 +103,7 @@ def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterat
     flags = {name for name, _ in job.trigger.items()}
     values = {*clock_input.inputs(job), *(use.member for use in job.outputs)}
     values |= {*(FAILED if job.in_steps else ()), *recipe_signals(job)}
+    values |= {"diagnosis"}
     values |= {CAUSE} if job.restores else set()
     values |= {*cycle_signals(job), *(bit.member for _, bit in job.shown_bits)}
     values |= {path.partition("[")[0] for path in message_lists.paths(job)}

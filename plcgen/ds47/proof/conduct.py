@@ -35,6 +35,8 @@ COARSE_SCANS = 10_000
 """Behind so many scans the rest of a run whose time is not measured has about as many more, however long it is."""
 WAITING_MS = 50
 """Length of a scan in ms while a job waits for a drive that has forgotten its telegram: some seconds."""
+EARLIER = 0x7777
+"""What the diagnosis of an earlier run might have."""
 
 
 class JobConduct:
@@ -114,6 +116,8 @@ class JobConduct:
         if scenario.matches:
             rig.match(scenario.keeps)
         rig.tell(scenario.of(Times).moment)
+        rig.diagnosis.set("recordStatus", EARLIER)
+        rig.diagnosis.set("retries", EARLIER)
         self.before, self.wanted = rig.delivered(), self.due(scenario)
         rig.takes_over()  # what the channel took in the runs before is none of this one's
         self.set_off(scenario)
@@ -199,6 +203,8 @@ class JobConduct:
         """No parameter has an answer yet, whatever was there before; values stay until there are new ones."""
         self.begun = self.rig.cpu.clock
         check_errors(self.rig, [(NO_ANSWER, 0)] * len(self.rig.job.uses))
+        if any(self.rig.record):
+            raise ScenarioError("recordStatus or retries are those of an earlier run")
 
     def observe(self, run: Run[DriveScenario]) -> None:
         """What is handed over to the channel; no output changes before its telegram is answered."""

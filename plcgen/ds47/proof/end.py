@@ -40,6 +40,8 @@ def check_end(
             results = [*results[:2], restoration.read_back(), *results[3:]]
         told = restoration.remembered(results)
     check_errors(rig, use_results(rig.job, told))
+    if status == DONE or status >> 8 in _ANSWERED:
+        _check_record(rig)
     _check_values(rig, results, before, wanted, asked_again=polled > 0)
     if status == DONE:
         for use in rig.job.uses:
@@ -87,6 +89,18 @@ def check_errors(rig: JobRig, wanted: list[Result]) -> None:
             raise ScenarioError(
                 f"errors[{position}], errorInfos[{position}] are {shown} instead of 16#{right[0]:04X}, {right[1]}"
             )
+
+
+_ANSWERED = frozenset({0x82, 0x83, 0x84})
+"""High bytes of status words with which a record job ends a telegram."""
+
+
+def _check_record(rig: JobRig) -> None:
+    """STATUS of the last record job as the drive gave it, and the retries that the channel has counted."""
+    right, found = (rig.drive.journal[-1].status >> 8 & 0xFFFF, rig.unit.get("retries")), rig.record
+    if found != right:
+        shown = ["16#{:04X}, {}".format(*pair) for pair in (found, right)]
+        raise ScenarioError(f"recordStatus, retries of the diagnosis are {shown[0]} instead of {shown[1]}")
 
 
 def check_refused(rig: JobRig, scenario: DriveScenario, status: int) -> None:

@@ -25,7 +25,8 @@ from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.program import Program
 from plcgen.s7.cpu.system.bus import Periphery
 
-SIGNALS = ("execute", "busy", "done", "error", "status", "errors", "errorInfos", "driveObject", "slot")
+SIGNALS = ("execute", "busy", "done", "error", "status", "driveObject", "slot")
+DIAGNOSIS = ("recordStatus", "retries", "errors", "errorInfos")
 ORDER = ("length", "retries", "timeout", "pause", "once", "pinned", "requestDb", "responseDb", "responseSize")
 CLOCK, REST = "statNow", "statRest"
 """Clock of a job in its last call; ms until it may save again."""
@@ -80,6 +81,8 @@ class JobRig:
         paths += [f"job.{name}" for name in (*cycle_signals(job), *([SINCE] if job.cycle else []))]
         paths += [f"job.{bit.member}" for _, bit in job.shown_bits]
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
+        paths = [f"jobDiagnosis.{name}" for name in DIAGNOSIS]
+        self.diagnosis = Members(self.cpu, program, self.db.block, paths, "jobDiagnosis.")
         self.records = Records(job, self.db, "jobRecords", 1) if job.recipe is not None else None
         self.drive.asked = self.let_come if job.waits else None
         self.unit = self.unit_of(UNITS[0])
@@ -92,6 +95,7 @@ class JobRig:
         self.order_id = "order.hardwareId" if self.plan.target.t15 else "order.address"
         names = [
             "state",
+            "retries",
             "telegram",
             "expected",
             "turn.grant",
@@ -244,9 +248,14 @@ class JobRig:
         use = part.use
         return piece(part, self.db.bytes(use.member, use.count * use.format.size))
 
+    @property
+    def record(self) -> tuple[int, int]:
+        """STATUS of the last record job and retries, as the diagnosis has them."""
+        return self.diagnosis.get("recordStatus"), self.diagnosis.get("retries")
+
     def words(self, name: str) -> list[int]:
-        """Array of words of the instance, for every use of the job."""
-        return self.db.words(name, len(self.job.uses))
+        """Array of words of the diagnosis, for every use of the job."""
+        return self.diagnosis.words(name, len(self.job.uses))
 
     @property
     def longest(self) -> int:

@@ -77,6 +77,7 @@ def _caller(plan: DrivePlan, job: DriveJob, name: str, jobs: dict[str, tuple[int
     declared = ["jobsOnly : Bool;", f'gate : "{engine.gate.name}";']
     declared += [f'channel{unit} : "{engine.channel.name}";' for unit in units]
     declared += [f'{key} : "{job.block.name}";' for key in jobs]
+    declared += [f'{key}Diagnosis : "{job.diagnosis.name}";' for key in jobs]
     if job.recipe is not None:
         type_ = f'Array[1..{job.recipe.count}] of "{job.recipe.type.name}"'
         declared += [f"{key}Records : {type_};" for key in jobs]
@@ -85,6 +86,7 @@ def _caller(plan: DrivePlan, job: DriveJob, name: str, jobs: dict[str, tuple[int
     for key, (unit, _, (request, response)) in jobs.items():
         own = f'requestDb := "{request}", responseDb := "{response}", ' if job.pinned else ""
         own += "" if job.recipe is None else f"records := #{key}Records, "
+        own += f"diagnosis := #{key}Diagnosis, "
         calls.append(f'#{key}({own}unit := "{UNITS[unit]}".unit);')
     calls.append("IF NOT #jobsOnly THEN")
     for unit in units:

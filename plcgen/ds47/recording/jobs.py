@@ -26,14 +26,15 @@ _PAUSE = next(number for name, number, _ in CHANNEL_STATES if name == "STATE_PAU
 _TICKETS = 100_000
 """A grant is the slot times this, plus the number under which the job asks."""
 
-_MEMBERS = ("busy", "done", "error", "status", "errors", "errorInfos")
+_MEMBERS = ("busy", "done", "error", "status")
+_RESULTS = ("errors", "errorInfos")
 _OF_UNIT = {"retries": "retries", "reference": "telegram[0]", "recordStatus": "recordStatus"}
 """What a job shows of its unit while it holds it."""
 _LISTED = 4
 """Deviations that are shown."""
 _ENTRY = ("parameter", "index", "wanted", "found")
 """Of each of them."""
-_OWN = frozenset({"execute", "state", "telegram", *_MEMBERS, *_OF_UNIT})
+_OWN = frozenset({"execute", "state", "telegram", *_MEMBERS, *_RESULTS, *_OF_UNIT})
 """Names of signals that a value may have too: not all of them are names at the interface of the block."""
 
 
@@ -46,6 +47,11 @@ def execute_path(job: DriveJob) -> str:
 def instance_path(job: DriveJob) -> str:
     """Where the instance of a job lies."""
     return f'"{job.caller.instance.name}".{job.member}'
+
+
+def diagnosis_path(job: DriveJob) -> str:
+    """Where it is told why a job failed."""
+    return f'"{job.caller.control.name}".{job.member}.diagnosis'
 
 
 class UnitWatch:
@@ -114,6 +120,8 @@ def job_signals(cpu: Cpu, job: DriveJob, units: UnitWatch) -> Iterator[Observed]
     for name in _MEMBERS:
         names = STATUS_TEXTS if name == "status" else {}
         yield signal(cpu, job.key, name, f"{own}.{name}", names=names)
+    for name in _RESULTS:
+        yield signal(cpu, job.key, name, f"{diagnosis_path(job)}.{name}")
     if job.messages is not None:
         yield signal(cpu, job.key, job.messages.count, f"{own}.{job.messages.count}", listed=True)
     if job.deviations is not None:
@@ -147,6 +155,7 @@ class DriveJobWatch:
     def __init__(self, cpu: Cpu, plan: DrivePlan, planned: DriveJob, units: UnitWatch) -> None:
         own = instance_path(planned)
         self._cpu, self._plan, self._planned, self._units, self._path = cpu, plan, planned, units, own
+        self._diagnosis = diagnosis_path(planned)
         self.facts = JobFacts(
             planned.key,
             planned.drive.key,
@@ -177,7 +186,7 @@ class DriveJobWatch:
         record = self._record()
         number = record if isinstance(record, int) else 0
         found = explain_status(number)
-        errors, infos = (recorded_value(self._cpu[f"{self._path}.{name}"]) for name in ("errors", "errorInfos"))
+        errors, infos = (recorded_value(self._cpu[f"{self._diagnosis}.{name}"]) for name in _RESULTS)
         values = tuple(self._value(use, errors, infos, finished=finished) for use in self._planned.uses)
         return JobEnd(number, found.text if found.error else "", values)
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _OWN = frozenset(
     {
-        "execute", "busy", "done", "error", "status", "errors", "errorinfos", "hardwareid", "driveaddress",
+        "execute", "busy", "done", "error", "status", "diagnosis", "hardwareid", "driveaddress",
         "driveobject", "slot", "unit", "requestdb", "responsedb",
     }
 )  # fmt: skip

@@ -82,11 +82,12 @@ def _job(plan: DrivePlan, job: DriveJob, command: Command) -> dict[str, Any]:
         return [(name, control.signal_operand(command, name)) for name in names]
 
     inputs, outputs = places(v.member.name for v in command.inputs), places(v.member.name for v in command.outputs)
+    shared = places(v.member.name for v in command.shared)
     return {
         "member": job.member,
         "block": job.block.name,
         "drive": drive.key,
-        "given": _lines([places([execute]) + own, inputs], ", ", ",\n  ", ",\n  " if tia else ""),
+        "given": _lines([places([execute]) + own + shared, inputs], ", ", ",\n  ", ",\n  " if tia else ""),
         "returned": _lines([places(results), outputs], *((", ", ",\n  ", "") if tia else (" ", "\n", "\n"))),
     }
 

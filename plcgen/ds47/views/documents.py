@@ -17,7 +17,7 @@ from plcgen.ds47.views.calls import CONTROL_TITLES, calls, part
 from plcgen.ds47.views.engine import programs as engine_programs
 from plcgen.ds47.views.engine import types
 from plcgen.ds47.views.parts import all_parts
-from plcgen.ds47.views.program import program
+from plcgen.ds47.views.program import diagnosis_type, program
 
 
 def contribution(plan: DrivePlan) -> Contribution:
@@ -46,6 +46,8 @@ def _types(plan: DrivePlan) -> Iterator[TypeBlock]:
     """What kinds of jobs need for all of them, and for each of them."""
     for one in all_parts():
         yield from one.shared_types(plan)
+    for job in plan.shapes:
+        yield diagnosis_type(plan, job)
     for one in all_parts():
         for job in filter(one.has, plan.shapes):
             yield from one.types(plan, job)

@@ -7,9 +7,10 @@ from typing import Any
 
 from plcgen.base.diagnostics.counting import shortlist
 from plcgen.build.control import signals
-from plcgen.build.nouns import CallerValue, Command, FunctionBlock
+from plcgen.build.members import WATCHED, plain
+from plcgen.build.nouns import CallerValue, Command, FunctionBlock, TypeBlock
 from plcgen.build.simaticml import RECORD_NOTE
-from plcgen.build.spelling import clean_title, comment_text, encodable, literal, one_line
+from plcgen.build.spelling import clean_title, comment_text, encodable, literal, one_line, type_words
 from plcgen.ds47.kind import Poll, Wait
 from plcgen.ds47.plan.access import Compare, Mask, Part, Recount, Remember, Use, Verify, Write
 from plcgen.ds47.plan.fields import interface_type
@@ -56,6 +57,29 @@ def command(plan: DrivePlan, job: DriveJob, label: str) -> Command:
         signals=signals(plan, {"execute": cyclic} if cyclic else None, starts=bool(cyclic)),
         inputs=_inputs(plan, job),
         outputs=_outputs(plan, job),
+        shared=[_diagnosis(plan, job)],
+    )
+
+
+def diagnosis_type(plan: DrivePlan, job: DriveJob) -> TypeBlock:
+    """Why a job failed, and what became of each of its parameters."""
+    texts = next((part.results for part in parts_of(job) if part.results is not None), _RESULTS)
+    words = type_words(tia=not plan.target.v5)
+    results = f"{words['ARRAY']}[1..{len(job.uses)}] {words['OF']} {words['WORD']}"
+    rows = (
+        ("recordStatus", words["WORD"], "bytes 2 and 3 of STATUS of the last WRREC or RDREC"),
+        ("retries", words["INT"], "retries of the last telegram"),
+        ("errors", results, texts[0]),
+        ("errorInfos", results, texts[1]),
+    )
+    return TypeBlock(job.diagnosis, [plain(plan, *row) for row in rows], job.comment)
+
+
+def _diagnosis(plan: DrivePlan, job: DriveJob) -> CallerValue:
+    watched = [f".errors[{number}]" for number in range(1, min(len(job.uses), WATCHED) + 1)]
+    shown = tuple((name, "Hex") for name in (".recordStatus", *watched))
+    return CallerValue(
+        plain(plan, "diagnosis", f'"{job.diagnosis.name}"', "why it failed, and with which parameter"), shown
     )
 
 
@@ -137,7 +161,6 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
     aligned = aligned_results(job)
     views = {part.name: part.view(plan, job) for part in parts}
     comments = [job.comment[lang] for lang in plan.languages if job.comment.get(lang)]
-    texts = next((part.results for part in parts if part.results is not None), _RESULTS)
     ends = sorted((part.ends, part.template) for part in parts if part.ends)
     return {
         **dict.fromkeys(part.name for part in all_parts()),
@@ -156,8 +179,7 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "counts_plainly": not any(part.counts(job) for part in parts),
         "fails": any(part.fails for part in parts),
         "takes_inputs": not any(part.takes_inputs for part in parts),
-        "errors_text": texts[0],
-        "infos_text": texts[1],
+        "diagnosis": job.diagnosis.name,
         "pinned": job.pinned,
         "many": len(job.telegrams) > 1,
         "telegram_count": len(job.telegrams),
@@ -330,7 +352,7 @@ def copies(
         if field.part.use in job.timed:
             continue
         copy = _copy(plan, field, field.part, f"{view}.{field.name}", response=response)
-        result = f"errors[{field.part.use.position}]"
+        result = f"diagnosis.errors[{field.part.use.position}]"
         if not aligned:
             result = f"unit.errors[{blocks[id(field.part)]}]"
         verifies = field.part.use.as_(Verify) is not None

@@ -63,6 +63,12 @@ def _tables() -> dict[str, Any]:
     return tables
 
 
+def known_words() -> list[int]:
+    """Every middle word that has a text, ascending: 8090h .. 80FFh."""
+    tables = _tables()
+    return sorted({*tables["local"], *(0x8000 | code for code in tables["code"])})
+
+
 def _direction(function_num: int, direction: Direction | None) -> Direction | None:
     known: dict[int, Direction] = {FUNCTION_READ: "read", FUNCTION_WRITE: "write"}
     return known.get(function_num, direction)

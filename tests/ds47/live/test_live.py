@@ -210,14 +210,14 @@ RECORDS = bytes.fromhex("40 A0 00 00 40 00 00 00 3F 80 00 00 41 20 00 00")
 @pytest.mark.parametrize(
     ("records", "control", "told"),
     [
-        (RECORDS, bytes(6), ["equal", "equal", "equal"]),
-        (RECORDS[:15] + b"\x01", bytes(6), ["equal", "as it is now", "equal"]),
-        (RECORDS + bytes(4), bytes(6), ["deviates", "equal", "equal"]),
-        (RECORDS, bytes(4), ["equal", "equal", "deviates"]),
+        (RECORDS, bytes(18), ["equal", "equal", "equal"]),
+        (RECORDS[:15] + b"\x01", bytes(18), ["equal", "as it is now", "equal"]),
+        (RECORDS + bytes(4), bytes(18), ["deviates", "equal", "equal"]),
+        (RECORDS, bytes(16), ["equal", "equal", "deviates"]),
     ],
 )
 def test_commands_and_recipes(tmp_path, records, control, told):
-    """DB474 has two records of two REAL; DB472 four BOOL in a byte and its pad, a WORD, an INT: six bytes."""
+    """DB474 has two records of two REAL; DB472 18 bytes: four BOOL and a pad, a WORD, an INT, six words of diagnosis."""
     (tmp_path / "job.yaml").write_text(STORED, "utf-8")
     with running(cpu({472: control, 474: records})) as where:
         _, out, _ = plcgen("live", "db", str(tmp_path / "job.yaml"), "--cpu", where, "--json")

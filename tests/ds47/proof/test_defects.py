@@ -103,7 +103,7 @@ def test_a_job_in_a_fast_ob_does_not_starve_another(generate, target) -> None:
     dialect = made.plan.target.dialect
     v5 = dialect is Dialect.STEP7_V5
     call = '"Get"."Fast"' if v5 else '"Fast"'
-    text = CALLER.replace("CALL;", f'{call}(unit := "MmUnit".unit);')
+    text = CALLER.replace("CALL;", f'{call}(unit := "MmUnit".unit, diagnosis := "DriveJobs".get.diagnosis);')
     if v5:
         text = respell(text, Spelling.STEP7_V5).replace(
             "BEGIN\n", "VAR_TEMP\n i : ARRAY[0..19] OF BYTE;\nEND_VAR\nBEGIN\n", 1

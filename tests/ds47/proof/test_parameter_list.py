@@ -12,7 +12,7 @@ SPEC = """
 drives: {axis: {device: sinamics-s120, ID: 281, drive_object: 3}}
 jobs: {read_list: {drive: axis, read: ["r980[0..299]"]}}
 """
-ERROR = '"DriveCalls_DB".readList.errors[1]'
+ERROR = '"DriveJobs".readList.diagnosis.errors[1]'
 ASK = "01 03 01 10"
 """Read from drive object 3, one parameter, its value; then elements, 980 = 03D4h, the first index."""
 

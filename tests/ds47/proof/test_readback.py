@@ -47,7 +47,7 @@ def run(
 
 def told(plant: Plant, key: str) -> list[tuple[int, int]]:
     """What the job says of each parameter: written, then read back."""
-    path = f'"DriveCalls_DB".{job_of(plant, key).member}'
+    path = f'"DriveJobs".{job_of(plant, key).member}.diagnosis'
     count = len(job_of(plant, key).uses)
     return [(plant.cpu[f"{path}.errors[{n}]"], plant.cpu[f"{path}.errorInfos[{n}]"]) for n in range(1, count + 1)]
 

@@ -65,7 +65,7 @@ def run(
 def told(plant: Plant, key: str = "limits") -> list[int]:
     """``errors`` of the job."""
     job = job_of(plant, key)
-    return [plant.cpu[f'"DriveCalls_DB".{job.member}.errors[{n}]'] for n in range(1, len(job.uses) + 1)]
+    return [plant.cpu[f'"DriveJobs".{job.member}.diagnosis.errors[{n}]'] for n in range(1, len(job.uses) + 1)]
 
 
 def sent(plant: Plant) -> list[str]:

@@ -72,7 +72,7 @@ def saved(plant: Plant) -> bool:
 
 def told(plant: Plant) -> list[int]:
     """``errors``: old values and r0899, writes, read back and r0899, the save, the question."""
-    return [plant.cpu[f'"DriveCalls_DB".limits.errors[{n}]'] for n in range(1, 11)]
+    return [plant.cpu[f'"DriveJobs".limits.diagnosis.errors[{n}]'] for n in range(1, 11)]
 
 
 def refuse(position: int, request: int) -> Fault:

@@ -68,6 +68,7 @@ class DriveWording:
         self.recipes = {recipe.type.name.upper(): recipe for recipe in plan.recipes}
         self.records = {recipe.db.name.upper(): recipe for recipe in plan.recipes}
         self.units = {unit.db.name.upper(): unit for unit in plan.units}
+        self.diagnoses = {job.diagnosis.name.upper(): job for job in plan.shapes}
         self.entries = {job.listed.type.name.upper(): job for job in plan.shapes if job.listed is not None}
 
     @cached_property
@@ -108,6 +109,8 @@ class DriveWording:
             return _sentence(self.engine[name], path[-1])
         if name in self.jobs:
             return self._of_job(self.jobs[name], path[-1], "job")
+        if name in self.diagnoses:
+            return _sentence("diagnosis", path[-1], _features(self.diagnoses[name]))
         if name in self.controls:
             return self._command(path)
         if name in self.callers:
@@ -198,7 +201,7 @@ class DriveWording:
             "ticket": "How a job asks for its unit and waits for its turn", "gate_db": "Places for record jobs",
             "gate": "Places for record jobs of this CPU", "channel": "Parameter channel of one drive unit",
         }  # fmt: skip
-        untitled = name in {*self.engine, *self.buffers, *self.recipes, *self.entries, *self.instances}
+        untitled = name in {*self.engine, *self.buffers, *self.recipes, *self.entries, *self.diagnoses, *self.instances}
         return frozenset({words.get(self.engine.get(name, ""), "")}) if untitled else None
 
     def spoken(self, block: Block) -> dict[str, str] | None:
@@ -206,8 +209,8 @@ class DriveWording:
         name = block.name.upper()
         if name in self.buffers:
             return self.buffers[name][0].comment
-        if name in self.entries:
-            return self.entries[name].comment
+        if name in self.entries or name in self.diagnoses:
+            return (self.entries | self.diagnoses)[name].comment
         if name in self.recipes:
             return self.recipes[name].comment
         if name in self.units:
@@ -365,7 +368,7 @@ class DriveWording:
         name = block.name.upper()
         number = {"REAL": "FloatingPoint", "LREAL": "FloatingPoint", "BOOL": "Bool", "TIME": "Time"}.get(type_, "")
         if name in self.controls:
-            own = {"status": "Hex", "cause": "HEX"}.get(path[-1]) if len(path) == 2 else None
+            own = {"status": "Hex", "cause": "HEX", "diagnosis": "Hex"}.get(path[1])
             return Shown(own or number or "DEC", "TRUE" if path[1:] == ["execute"] else "")
         if name not in self.buffers or block.kind is not BlockKind.DB:
             return None
