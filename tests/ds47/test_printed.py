@@ -99,7 +99,7 @@ def test_what_is_made_of_the_answer(plant: dict[str, Any], row: dict[str, Any], 
     errors = row.get("errors", [])
     assert (cpu["DriveJobs.job.done"], cpu["DriveJobs.job.error"]) == (not errors, bool(errors))
     assert {name: cpu[f"DriveJobs.job.{name}"] for name in row.get("values", {})} == row.get("values", {})
-    assert [cpu[f"DriveCalls_DB.job.errors[{n}]"] for n, _ in enumerate(errors, 1)] == errors
+    assert [cpu[f"DriveJobs.job.diagnosis.errors[{n}]"] for n, _ in enumerate(errors, 1)] == errors
 
 
 @every(ROWS)

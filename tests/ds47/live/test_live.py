@@ -217,7 +217,7 @@ RECORDS = bytes.fromhex("40 A0 00 00 40 00 00 00 3F 80 00 00 41 20 00 00")
     ],
 )
 def test_commands_and_recipes(tmp_path, records, control, told):
-    """DB474 has two records of two REAL; DB472 18 bytes: four BOOL and a pad, a WORD, an INT, six words of diagnosis."""
+    """DB474 has two records of two REAL; DB472 18 bytes: four BOOL, a pad, a WORD, an INT, six words of diagnosis."""
     (tmp_path / "job.yaml").write_text(STORED, "utf-8")
     with running(cpu({472: control, 474: records})) as where:
         _, out, _ = plcgen("live", "db", str(tmp_path / "job.yaml"), "--cpu", where, "--json")
