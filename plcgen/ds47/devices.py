@@ -85,12 +85,16 @@ def read_profile(path: Path, key: str) -> Device:
     Raises:
         DiagnosticError: with every problem of the file, each at its place.
     """
+    return parse_profile(read_text(path, path.as_posix()), path.as_posix(), key)
+
+
+def parse_profile(text: str, file: str, key: str) -> Device:
+    """The device of the text of a profile. Raises DiagnosticError."""
     from plcgen.base.files.validation import load_document
     from plcgen.ds47.profile import LENDERS, PROFILE
 
-    file = path.as_posix()
     lenders = {name: functools.partial(_shipped_device, name) for name in _shipped() if name != key}
-    model = load_document(read_text(path, file), file, PROFILE, {LENDERS: lenders}).model
+    model = load_document(text, file, PROFILE, {LENDERS: lenders}).model
     device = model.device(key)
     if model.like is None:
         return device

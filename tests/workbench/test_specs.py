@@ -10,7 +10,7 @@ import pytest
 from plcgen import api
 from plcgen.base.diagnostics import DiagnosticError
 from plcgen.base.files.yaml import load_yaml
-from tests.projects import SPECS
+from tests.projects import ROOT, SPECS
 from tests.workbench.desk import Desk, edited
 
 HEAD = """# a plant
@@ -70,11 +70,82 @@ def test_a_part_alone_lacks_nothing(desk: Desk) -> None:
     assert [one.diagnostic.code for one in desk.workspace.diagnostics(part)] == ["PG105", "PG104"]
 
 
-def test_other_yaml_is_left_alone(desk: Desk) -> None:
-    """A YAML file without any key of a spec is none."""
-    document, *_ = desk.open("services:\n  web: {image: nginx}\n", "compose.yaml")
+@pytest.mark.parametrize(
+    "text",
+    [
+        "services:\n  web: {image: nginx}\n",
+        'version: "3"\nservices:\n  web: {image: nginx}\n',
+        "name: CI\non: push\njobs:\n  build:\n      runs-on: ubuntu-latest\n      steps: [{run: make}]\n",
+        "variables: {A: b}\ninclude: [other.yml]\nstages: [test]\nunit: {stage: test}\n",
+        "trigger: [main]\npool: {vmImage: ubuntu}\nvariables: {a: b}\njobs: []\n",
+        "title: Holidays\nparameters: {a: 1}\npages: [one]\n",
+    ],
+)
+def test_other_yaml_is_left_alone(text: str, desk: Desk) -> None:
+    """Files of other programs, two of which have jobs and variables: nothing is said of them, offered or changed."""
+    document, *_ = desk.open(text, "other.yaml")
     assert desk.workspace.diagnostics(document) == ()
     assert desk.workspace.outline(document) == ()
+    assert desk.workspace.format(document) == ()
+    for number, line in enumerate(document.lines, 1):
+        for column in (1, len(line) // 2, len(line) + 1):
+            assert desk.workspace.complete(document, number, column) == ()
+            assert desk.workspace.hover(document, number, column) is None
+            assert desk.workspace.name_at(document, number, column) is None
+            assert desk.workspace.definition(document, number, column) is None
+
+
+def test_a_part_of_several_specs(desk: Desk) -> None:
+    """Each spec that includes it says what is wrong there: one has no drive b, the other no drive a."""
+    part = "jobs:\n  one: {drive: a, read: [r21]}\n  two: {drive: b, read: [r21]}\n"
+    for name, drive in (("first", "a"), ("second", "b")):
+        text = f"include: [jobs.yaml]\n{HEAD.replace('pump', drive).removesuffix('jobs:' + chr(10))}"
+        (desk.folder / f"{name}.yaml").write_text(text, "utf-8")
+    document, *_ = desk.open(part, "jobs.yaml")
+    found = [one.diagnostic for one in desk.workspace.diagnostics(document)]
+    assert sorted((one.code, one.span.line) for one in found if one.severity.name == "ERROR") == [
+        ("PG202", 2),
+        ("PG202", 3),
+    ]
+
+
+PROFILE = (ROOT / "specs/devices/profidrive.yaml").read_text("utf-8")
+DRIVE = "objects:\n  - number: 1\n    parameters:\n      - {pnu: 1120, type: FloatingPoint, value: 10.0}\n"
+BUS = "stations:\n  - {cpu: 224, address: 2, values: {VW100: 7}}\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong", "right"),
+    [
+        (PROFILE, "titel:", "title:"),
+        (PROFILE, "record_idx:", "record_index:"),
+        (DRIVE, "type: FloatingPint", "type: FloatingPoint"),
+        (BUS, "adress: 2", "address: 2"),
+        (BUS, "VW9999999: 7", "VW100: 7"),
+    ],
+)
+def test_other_files_of_plcgen(text: str, wrong: str, right: str, desk: Desk) -> None:
+    """Profiles of devices, simulated drives and stations: sound as they are; a mistake is told at its place."""
+    document, *_ = desk.open(text, "other.yaml")
+    assert desk.workspace.diagnostics(document) == ()
+    assert right in text
+    document, *_ = desk.open(text.replace(right, wrong, 1), "other.yaml")
+    found = [one.diagnostic for one in desk.workspace.diagnostics(document)]
+    line = document.text[: document.text.index(wrong)].count("\n") + 1
+    assert line in {one.span.line for one in found}
+
+
+def test_keys_of_other_files(desk: Desk) -> None:
+    """By their schemas: keys of a profile with what they are for, words of a station, hover."""
+    assert "drive_object" in desk.offers("title: A\nsource: B\n|", "acme.yaml")
+    assert "cpu" in desk.offers("stations:\n  - {address: 2, |}\n", "bus.yaml")
+    assert "decides the sizes" in desk.hover("stations:\n  - {c|pu: 224}\n", "bus.yaml")
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "specs/devices").glob("*.yaml")), ids=lambda path: path.stem)
+def test_shipped_profiles_are_sound(path: Path, desk: Desk) -> None:
+    """Nothing is said of any of them, wherever it lies."""
+    assert desk.workspace.diagnostics(desk.open(path.read_text("utf-8"), "own.yaml")[0]) == ()
 
 
 FIXES = [

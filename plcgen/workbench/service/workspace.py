@@ -122,10 +122,13 @@ class Workspace:
         return None if found is None else found[1]
 
     def format(self, document: Document) -> tuple[Edit, ...]:
-        """Edits that lay a spec out evenly; comments, order and values stay."""
+        """Edits that lay a spec, or another file of plcgen, out evenly; comments, order and values stay."""
         from plcgen.workbench.service.specs.layout import formatted
+        from plcgen.workbench.service.specs.others import kind_of
 
-        return formatted(document) if document.is_yaml else ()
+        state = self.specs.state(document) if document.is_yaml else None
+        ours = state is not None and (state.is_spec or kind_of(state) is not None)
+        return formatted(document) if ours else ()
 
     def outline(self, document: Document) -> tuple[Symbol, ...]:
         """What is defined in the text."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 
 from plcgen.base.diagnostics import Diagnostic, Severity, Span
@@ -12,27 +12,31 @@ from plcgen.base.files.files import YAML_SUFFIXES, walk
 from plcgen.workbench.service.documents import Document
 from plcgen.workbench.service.results import Edit, Finding, Fix
 from plcgen.workbench.service.specs.names import named
+from plcgen.workbench.service.specs.others import problems
 from plcgen.workbench.service.specs.sketch import sketch
 from plcgen.workbench.service.specs.state import Specs, matches
 
 MOST = 1_000
 """Findings of one text; nobody reads more at once."""
 _SEARCHED = 200
-"""So many files are looked at for one that includes a part of a spec."""
+"""So many files are looked at for those that include a part of a spec."""
+_WHOLES = 8
+"""So many of them are checked."""
 
 
 def findings(specs: Specs, document: Document) -> tuple[Finding, ...]:
-    """The findings of a document; of a part that another spec includes, those that this spec has there."""
+    """The findings of a document; of a part that other specs include, those that these specs have there."""
     state = specs.state(document)
     if not state.is_spec:
-        return ()
+        return tuple(finding(specs, one) for one in problems(state)[:MOST])
     found: Iterable[Diagnostic] = state.checked.diagnostics
     if state.is_part:
-        whole = _whole(specs, document)
-        if whole is None:
-            found = [one for one in found if not (one.code == "PG105" and one.message.startswith("the spec lacks"))]
+        wholes = _wholes(specs, document)
+        if wholes:
+            there = (one for whole in wholes for one in specs.state(whole).checked.diagnostics)
+            found = dict.fromkeys(one for one in there if one.span.file == document.file)
         else:
-            found = [one for one in specs.state(whole).checked.diagnostics if one.span.file == document.file]
+            found = [one for one in found if not (one.code == "PG105" and one.message.startswith("the spec lacks"))]
     return tuple(finding(specs, one) for one in list(found)[:MOST])
 
 
@@ -44,18 +48,16 @@ def finding(specs: Specs, diagnostic: Diagnostic) -> Finding:
     return Finding(diagnostic, info.why, diagnostic.help or info.fix, fixes)
 
 
-def _whole(specs: Specs, part: Document) -> Document | None:
-    """A spec that includes a part: one that is open, else one on disk."""
+def _wholes(specs: Specs, part: Document) -> Sequence[Document]:
+    """The specs that include a part: those that are open, else those on disk."""
     known = specs.including(part)
     if known or not specs.documents.writable(part.path):
-        return known[0] if known else None
+        return known
     names = (folder / name for folder, _, names in walk(specs.documents.folder) for name in names)
     candidates = (path for path in names if path.suffix.lower() in YAML_SUFFIXES and path != part.path)
-    for path in islice(candidates, _SEARCHED):
-        document = specs.documents.get(path)
-        if document is not None and "include" in document.text and specs.state(document).includes(part.file):
-            return document
-    return None
+    documents = filter(None, map(specs.documents.get, islice(candidates, _SEARCHED)))
+    wholes = (one for one in documents if "include" in one.text and specs.state(one).includes(part.file))
+    return tuple(islice(wholes, _WHOLES))
 
 
 _MEANT = re.compile(r'\Adid you mean "([^"]+)"\?')

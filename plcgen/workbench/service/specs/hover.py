@@ -19,8 +19,9 @@ from plcgen.workbench.service.specs.drives import (
     known_drive,
 )
 from plcgen.workbench.service.specs.names import name_at
-from plcgen.workbench.service.specs.offers import names_parameters, parameter_at, said_of
-from plcgen.workbench.service.specs.shape import spec_shape
+from plcgen.workbench.service.specs.offers import names_parameters, parameter_at
+from plcgen.workbench.service.specs.others import kind_of
+from plcgen.workbench.service.specs.shape import Shape, spec_shape
 from plcgen.workbench.service.specs.sketch import Path, Spot
 from plcgen.workbench.service.specs.stations import names_items, station_page, symbol_page
 
@@ -48,9 +49,13 @@ def hover(specs: Specs, document: Document, line: int, column: int) -> Hover | N
             place = Span(document.file, line, code.start() + 1, line, code.end() + 1)
             return None if page is None else Hover(place, page)
     spot = state.sketch.at(line, column)
-    if spot is None or not spot.word or not state.is_spec:
+    if spot is None or not spot.word:
         return None
-    found = next((page for page in _pages(state, spot, line, column) if page is not None), None)
+    if state.is_spec:
+        found = next((page for page in _pages(state, spot, line, column) if page is not None), None)
+    else:
+        kind = kind_of(state)
+        found = None if kind is None else _meaning(kind.shape, spot)
     return None if found is None else Hover(spot.span, found)
 
 
@@ -78,10 +83,16 @@ def _pages(state: SpecState, spot: Spot, line: int, column: int) -> Iterator[Pag
             yield _value(spot.word, *known)
         if place[-1] == "device":
             yield _device(spot.word)
-    meaning = spec_shape().meaning(place)
-    if meaning and (spot.role == "key" or not named):
-        key = next((str(step) for step in reversed(place) if isinstance(step, str)), "")
-        yield Page(key, meaning, (("Values", said_of(place)),))
+    if spot.role == "key" or not named:
+        yield _meaning(spec_shape(), spot)
+
+
+def _meaning(shape: Shape, spot: Spot) -> Page | None:
+    """What the key is for at which, or at whose value, a spot is."""
+    place: Path = (*spot.path, spot.word) if spot.role == "key" else spot.path
+    meaning = shape.meaning(place)
+    key = next((str(step) for step in reversed(place) if isinstance(step, str)), "")
+    return Page(key, meaning, (("Values", shape.said(place, listed=not names_parameters(place))),)) if meaning else None
 
 
 def _parameter(text: str, drives: Sequence[KnownDrive]) -> Page | None:

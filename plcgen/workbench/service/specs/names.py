@@ -73,7 +73,7 @@ _VARIABLE = re.compile(rf"(?<!\$)\$\(({NAME})\)")
 def name_at(state: SpecState, line: int, column: int) -> tuple[Name, Span] | None:
     """What is named at a place, and the place of the name."""
     spot = state.sketch.at(line, column)
-    if spot is None:
+    if spot is None or not state.is_spec:
         return None
     for use in _VARIABLE.finditer(state.document.part(spot.span)):
         start = spot.span.column + use.start(1)
@@ -105,7 +105,7 @@ def definition(specs: Specs, document: Document, line: int, column: int) -> Span
     """Where what is named at a place is defined: a key, an anchor, an included file."""
     state = specs.state(document)
     spot = state.sketch.at(line, column)
-    if spot is None:
+    if spot is None or not state.is_spec:
         return None
     if spot.word[:1] == "*":
         return state.sketch.anchors.get(spot.word[1:])

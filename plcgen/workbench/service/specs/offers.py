@@ -18,7 +18,9 @@ from plcgen.project.variables import KEY as VARIABLES
 from plcgen.workbench.service.results import Edit, Offer
 from plcgen.workbench.service.specs.drives import MOST, KnownDrive, drives_at, in_full, in_short, spelled
 from plcgen.workbench.service.specs.names import named
-from plcgen.workbench.service.specs.shape import spec_shape
+from plcgen.workbench.service.specs.others import kind_of
+from plcgen.workbench.service.specs.shape import Shape, spec_shape
+from plcgen.workbench.service.specs.shape import spelled as word_of
 from plcgen.workbench.service.specs.sketch import Path, Spot
 from plcgen.workbench.service.specs.state import matches
 from plcgen.workbench.service.specs.stations import names_items, symbols_at
@@ -32,8 +34,11 @@ def offers(specs: Specs, document: Document, line: int, column: int) -> tuple[Of
     """Everything that may stand at a place; an editor shows of it what fits to what was typed."""
     state = specs.state(document)
     spot = state.sketch.at(line, column)
-    if spot is None or not state.is_spec:
+    if spot is None:
         return ()
+    if not state.is_spec:
+        kind = kind_of(state)
+        return () if kind is None else tuple(_by_shape(state, spot, kind.shape))
     if spot.before[:1] == "$":
         return tuple(_variables(state, spot))
     found: list[Offer] = []
@@ -46,6 +51,19 @@ def offers(specs: Specs, document: Document, line: int, column: int) -> tuple[Of
     if spot.role != "key":
         found += _variables(state, spot)
     return tuple({one.label: one for one in reversed(found)}.values())[::-1]
+
+
+def _by_shape(state: SpecState, spot: Spot, shape: Shape) -> Iterator[Offer]:
+    """Keys, words and examples, as a schema alone says them."""
+    if spot.role in {"key", "item"}:
+        present = {str(one.path[-1]) for one in state.sketch.below(spot.path) if one.key != spot.span}
+        for key in shape.keys(spot.path):
+            if key not in present:
+                place = (*spot.path, key)
+                yield _offer(state, spot, key, "key", detail=shape.meaning(place), text=shape.said(place), key=True)
+    if spot.role != "key":
+        for word in dict.fromkeys([*shape.words(spot.path), *shape.examples(spot.path)]):
+            yield _offer(state, spot, word_of(word), "value")
 
 
 # --- keys ------------------------------------------------------------------------------------------------------------
@@ -63,7 +81,11 @@ def _keys(state: SpecState, spot: Spot) -> Iterator[Offer]:
     for key in known:
         if key not in present and key not in _other_kinds(path, present):
             meaning = shape.meaning((*path, key))
-            yield _offer(state, spot, key, "key", detail=meaning, text=said_of((*path, key)), key=True)
+            yield _offer(state, spot, key, "key", detail=meaning, text=_said(shape, (*path, key)), key=True)
+
+
+def _said(shape: Shape, path: Path) -> str:
+    return shape.said(path, listed=not names_parameters(path))
 
 
 def _other_kinds(path: Path, present: set[str]) -> set[str]:
@@ -72,22 +94,6 @@ def _other_kinds(path: Path, present: set[str]) -> set[str]:
         return set()
     whole = {kind.key for kind in kinds() if not kind.follows}
     return whole if whole & present else set()
-
-
-def said_of(path: Path) -> str:
-    """What a schema says of the value of a key: words, bounds, default, examples."""
-    shape = spec_shape()
-    words, (low, high) = shape.words(path), shape.bounds(path)
-    lines = [f"one of: {', '.join(map(_spelled, words[:40]))}"] if words and not names_parameters(path) else []
-    lines += [f"{low} to {high}"] if low is not None and high is not None else []
-    default = shape.default(path)
-    lines += [f"default: {_spelled(default)}"] if isinstance(default, str | int | float) else []
-    examples = [each for each in shape.examples(path) if each != default]
-    return "\n".join([*lines, f"for example: {', '.join(map(_spelled, examples))}"] if examples else lines)
-
-
-def _spelled(value: Any) -> str:
-    return value if isinstance(value, str) else json.dumps(value)
 
 
 # --- values ----------------------------------------------------------------------------------------------------------
@@ -116,9 +122,9 @@ def _values(state: SpecState, spot: Spot, path: Path, lead: str) -> Iterator[Off
         return
     yield from _value_names(state, spot, path, lead)
     for word in words:
-        yield _offer(state, spot, _spelled(word), "value", lead=lead)
+        yield _offer(state, spot, word_of(word), "value", lead=lead)
     for example in spec_shape().examples(path):
-        yield _offer(state, spot, _spelled(example), "value", detail="example", lead=lead)
+        yield _offer(state, spot, word_of(example), "value", detail="example", lead=lead)
 
 
 def _files(state: SpecState) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -56,6 +57,15 @@ class Shape:
         low, high = ([one[key] for one in self.at(path) if key in one] for key in ("minimum", "maximum"))
         return min(low, default=None), max(high, default=None)
 
+    def said(self, path: Path, *, listed: bool = True) -> str:
+        """What there is to say of a value: its words if they are to be ``listed``, bounds, default, examples."""
+        words, (low, high), default = self.words(path), self.bounds(path), self.default(path)
+        lines = [f"one of: {', '.join(map(spelled, words[:40]))}"] if words and listed else []
+        lines += [f"{low} to {high}"] if low is not None and high is not None else []
+        lines += [f"default: {spelled(default)}"] if isinstance(default, str | int | float) else []
+        examples = [each for each in self.examples(path) if each != default]
+        return "\n".join([*lines, f"for example: {', '.join(map(spelled, examples))}"] if examples else lines)
+
     def _said(self, path: Path, word: str) -> Any:
         """What stands beside the alternatives of a value, else in one of them."""
         below = self.at(path[:-1]) if path else [self.schema]
@@ -73,6 +83,8 @@ class Shape:
         for word in ("anyOf", "oneOf", "allOf"):
             for each in schema.get(word, ()):
                 yield from self._alternatives(each)
+        for word in ("then", "else"):
+            yield from self._alternatives(schema.get(word))
 
 
 def _below(schema: Schema, step: str | int) -> Iterator[Any]:
@@ -82,6 +94,11 @@ def _below(schema: Schema, step: str | int) -> Iterator[Any]:
         yield schema["properties"][step]
     elif isinstance(schema.get("additionalProperties"), dict):
         yield schema["additionalProperties"]
+
+
+def spelled(value: Any) -> str:
+    """A value as YAML has it."""
+    return value if isinstance(value, str) else json.dumps(value)
 
 
 def _types(schema: Schema) -> list[str]:

@@ -97,9 +97,13 @@ class SpecState:
 
     @property
     def is_spec(self) -> bool:
-        """Whether the text has a key of specs, or nothing yet: there are other YAML files in the world."""
+        """Whether the text is a spec or a part of one, or nothing yet: there are other YAML files in the world.
+
+        ``jobs``, ``variables`` and ``include`` are keys of other programs, too.
+        """
         keys = {each.path[0] for each in self.sketch.entries if len(each.path) == 1}
-        return not keys or bool(keys & _spec_keys())
+        known = keys & _spec_keys()
+        return not keys or bool(known - _COMMON) or 3 * len(known) >= 2 * len(keys)
 
     @property
     def is_part(self) -> bool:
@@ -154,6 +158,9 @@ def matches(path: Sequence[str | int], pattern: Sequence[str]) -> bool:
         wanted == step or (wanted == "*" and isinstance(step, str)) or (wanted == "#" and isinstance(step, int))
         for step, wanted in zip(path, pattern, strict=True)
     )
+
+
+_COMMON = frozenset({"jobs", "variables", "include", "version"})
 
 
 @cache
