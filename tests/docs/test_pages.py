@@ -16,7 +16,6 @@ NOT_RUN = {
     "docs/CONTRIBUTING.md": 1,
     "docs/ci.md": 1,
     "docs/cli.md": 1,
-    "docs/diff.md": 1,
     "docs/evidence.md": 1,
     "docs/live.md": 1,
     "docs/ppi-plant.md": 1,
