@@ -15,7 +15,9 @@ from plcgen.s7.cpu.sources import check_source
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.scl.instructions import parameters
 from plcgen.workbench.service import Document, Symbol
+from plcgen.workbench.service.results import Token
 from plcgen.workbench.service.sources import state as source_state
+from plcgen.workbench.service.sources.version import SourceState
 from tests.projects import ROOT
 from tests.s7.sd_documents import PAIRS
 from tests.workbench.desk import Desk, edited
@@ -283,10 +285,17 @@ def test_outline(desk: Desk) -> None:
     assert [one.name for one in block.children[2].children] == ["last"]
 
 
+def coloured(desk: Desk, document: Document) -> list[Token]:
+    """The tokens of a file that is read as a whole."""
+    ((first, painted),) = desk.workspace.tokens(document)
+    assert first == 0
+    return list(painted.tokens)
+
+
 def test_colours(desk: Desk) -> None:
     """Every token once, in order, inside its line; words of the language, locals, blocks, numbers, comments."""
     document, *_ = desk.open(FB, "mover.scl")
-    found = desk.workspace.tokens(document)
+    found = coloured(desk, document)
     kinds = {document.part(one.span): one.kind for one in found}
     assert kinds["FUNCTION_BLOCK"] == "keyword"
     assert kinds["#speed"] == "variable"
@@ -304,7 +313,7 @@ def test_colours(desk: Desk) -> None:
 def test_comments_over_lines(desk: Desk) -> None:
     """A comment of three lines is three parts."""
     document, *_ = desk.open("FUNCTION f : Void\n(* one\n   two\n three *)\nBEGIN\nEND_FUNCTION\n", "f.scl")
-    found = [document.part(one.span) for one in desk.workspace.tokens(document) if one.kind == "comment"]
+    found = [document.part(one.span) for one in coloured(desk, document) if one.kind == "comment"]
     assert found == ["(* one", "   two", " three *)"]
 
 
@@ -340,7 +349,7 @@ def test_edits_leave_nothing(desk: Desk) -> None:
             desk.workspace.diagnostics(document)
             desk.workspace.hover(document, 20, 21)
     gc.collect()
-    kept = [one for one in gc.get_objects() if isinstance(one, Document | source_state.SourceState)]
+    kept = [one for one in gc.get_objects() if isinstance(one, Document | SourceState)]
     assert len(kept) <= 3
 
 
@@ -374,7 +383,7 @@ def test_simatic_sd(what: str, tmp_path: Path) -> None:
 
     assert names(desk.workspace.outline(document)) == names(desk.workspace.outline(source)) != []
     assert desk.workspace.diagnostics(document) == ()
-    colours = {document.part(one.span): one.kind for one in desk.workspace.tokens(document)}
+    colours = {document.part(one.span): one.kind for one in coloured(desk, document)}
     assert {colours[text] for text in ('"TRUE"', '"0.1"') if text in colours} <= {"string"}
 
 

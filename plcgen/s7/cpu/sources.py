@@ -57,22 +57,24 @@ def check_source(path: Path | str, target: Dialect | None = None, *, encoding: s
     """
     kept: list[ParseResult] = []
     found, problems = read_source(path, target, encoding=encoding, keep=kept.append)
-    problems = _with_start_values(kept, problems, target)
+    problems = with_start_values(kept, problems, target)
     declared = tuple((block.kind.value, block.name, block.span or Span(str(path))) for block in found)
     return SourceCheck((Path(path),), len(found), tuple(problems), declared)
 
 
-def check_text(text: str, path: Path, *, keep: Callable[[ParseResult], object]) -> tuple[list[Block], list[Diagnostic]]:
-    """The blocks of a text that an editor has in place of a file, and what :func:`check_source` says of it."""
-    kept: list[ParseResult] = []
+def read_shown(
+    text: str, path: Path, file: str, *, keep: Callable[[ParseResult], object]
+) -> tuple[list[Block], list[Diagnostic]]:
+    """The blocks of a text that an editor shows, and what is wrong with it apart from start values.
+
+    ``path`` says how it is read, ``file`` what spans call it.
+    """
     texts = read_texts(path)[0] if is_document(path.name) else {}
-    found, problems = parse_source(text, path.as_posix(), bodies=has_bodies(path), keep=kept.append, texts=texts)
-    keep(kept[0])
-    return found, _with_start_values(kept, problems, None)
+    return parse_source(text, file, bodies=has_bodies(path), keep=keep, texts=texts)
 
 
-def _with_start_values(
-    kept: Sequence[ParseResult], problems: list[Diagnostic], target: Dialect | None
+def with_start_values(
+    kept: Sequence[ParseResult], problems: list[Diagnostic], target: Dialect | None = None
 ) -> list[Diagnostic]:
     """The problems of a file, with those of its start values if it can be read."""
     if has_errors(problems):

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, cast
 
@@ -301,17 +300,14 @@ def _symbols(params: lsp.DocumentSymbolParams) -> list[lsp.DocumentSymbol]:
 )
 def _colours(params: lsp.SemanticTokensParams) -> lsp.SemanticTokens:
     found = server.find(params.text_document.uri)
-    return lsp.SemanticTokens([] if found is None else _packed(*found))
-
-
-def _packed(desk: Workspace, document: Document, values: Values) -> Sequence[int]:
-    """Tokens as the protocol packs them: five numbers each, places counted from the token before."""
+    if found is None:
+        return lsp.SemanticTokens([])
+    desk, document, values = found
     data: list[int] = []
-    line = start = 0
-    for token in desk.tokens(document):
-        place = values.range(token.span, document)
-        at, first = place.start.line, place.start.character
-        length = place.end.character - first
-        data += (at - line, first - start if at == line else first, length, TOKEN_KINDS.index(token.kind), 0)
-        line, start = at, first
-    return data
+    last = 0
+    for first, painted in desk.tokens(document):
+        packed, end = values.packed(painted)
+        if packed:
+            data += (first + packed[0] - last, *packed[1:])
+            last = first + end
+    return lsp.SemanticTokens(data)

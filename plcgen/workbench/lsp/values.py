@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from weakref import WeakKeyDictionary
 
 from lsprotocol import types as lsp
 from pygls.uris import from_fs_path
@@ -14,6 +15,7 @@ from plcgen.base.display.markdown import escape
 from plcgen.base.display.page import Page
 from plcgen.workbench.service import Document, Edit, Finding, Offer, Symbol, Workspace
 from plcgen.workbench.service.positions import Encoding, from_units, to_units
+from plcgen.workbench.service.results import TOKEN_KINDS, Painted
 
 _SEVERITIES = {
     Severity.ERROR: lsp.DiagnosticSeverity.Error,
@@ -44,6 +46,9 @@ _SYMBOLS = {
     "type": lsp.SymbolKind.Struct,
     "member": lsp.SymbolKind.Field,
 }
+
+
+_PACKED: WeakKeyDictionary[Painted, dict[str, tuple[Sequence[int], int]]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +111,30 @@ class Values:
             filter_text=f"{offer.edit.text.strip(' -').removesuffix(':')}{said}",
             text_edit=self.edit(offer.edit, document),
         )
+
+    def packed(self, painted: Painted) -> tuple[Sequence[int], int]:
+        """Tokens as the protocol packs them: five numbers each, places counted from the token before; the last line.
+
+        What has been packed is kept as long as the text.
+        """
+        known = _PACKED.get(painted, {})
+        if self.encoding not in known:
+            data: list[int] = []
+            line = start = 0
+            for token in painted.tokens:
+                span = token.span
+                at, first = to_units(painted.lines, span.line, span.column, self.encoding)
+                _, end = to_units(painted.lines, span.end_line, span.end_column, self.encoding)
+                data += (
+                    at - line,
+                    first - start if at == line else first,
+                    end - first,
+                    TOKEN_KINDS.index(token.kind),
+                    0,
+                )
+                line, start = at, first
+            known = _PACKED[painted] = {**known, self.encoding: (data, line)}
+        return known[self.encoding]
 
     def symbol(self, symbol: Symbol, document: Document) -> lsp.DocumentSymbol:
         """A symbol with what is in it."""

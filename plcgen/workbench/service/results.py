@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal, get_args
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, TypeVar, get_args
 
 from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.base.display.page import Page
@@ -88,6 +89,14 @@ class Token:
     kind: TokenKind
 
 
+@dataclass(frozen=True, eq=False)
+class Painted:
+    """The tokens of a text in their colours, and its lines; the same object while the text is the same."""
+
+    lines: Sequence[str]
+    tokens: tuple[Token, ...]
+
+
 @dataclass(frozen=True, slots=True)
 class SignaturePart:
     """A parameter as the label of its signature has it, and in which section it is declared."""
@@ -104,3 +113,16 @@ class Signature:
     text: str
     parameters: tuple[SignaturePart, ...]
     active: int
+
+
+Placed = TypeVar("Placed", Edit, Offer, Hover, Symbol)
+
+
+def moved(answer: Placed, place: Callable[[Span], Span]) -> Placed:
+    """An answer with other places: ``place`` says where each of them is."""
+    if isinstance(answer, Offer):
+        return replace(answer, edit=moved(answer.edit, place))
+    if isinstance(answer, Symbol):
+        children = tuple(moved(one, place) for one in answer.children)
+        return replace(answer, whole=place(answer.whole), place=place(answer.place), children=children)
+    return replace(answer, span=place(answer.span))

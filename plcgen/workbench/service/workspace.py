@@ -7,11 +7,15 @@ from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.workbench.service.documents import Document, Documents
-from plcgen.workbench.service.sources.state import Sources, is_source
+from plcgen.workbench.service.results import moved
+from plcgen.workbench.service.sources.state import Sources
+from plcgen.workbench.service.sources.version import SourceState, is_source
 from plcgen.workbench.service.specs.state import Specs
 
 if TYPE_CHECKING:
-    from plcgen.workbench.service.results import Edit, Finding, Hover, Offer, Signature, Symbol, Token
+    from collections.abc import Callable
+
+    from plcgen.workbench.service.results import Edit, Finding, Hover, Offer, Painted, Signature, Symbol
 
 MOST = 1_000
 """Findings of one source; nobody reads more at once."""
@@ -55,7 +59,7 @@ class Workspace:
 
         if document.is_yaml:
             return findings(self.specs, document)
-        found = self.sources.state(document).diagnostics if is_source(document) else ()
+        found = self.sources.file(document).diagnostics if is_source(document) else ()
         return tuple(finding(self.specs, one) for one in found[:MOST])
 
     def complete(self, document: Document, line: int, column: int) -> tuple[Offer, ...]:
@@ -65,7 +69,10 @@ class Workspace:
 
         if document.is_yaml:
             return offers(self.specs, document, line, column)
-        return tuple(source_offers(self.sources.state(document), line, column)) if is_source(document) else ()
+        if not is_source(document):
+            return ()
+        state, own = self.sources.at(document, line)
+        return tuple(moved(one, self.sources.real) for one in source_offers(state, own, column))
 
     def hover(self, document: Document, line: int, column: int) -> Hover | None:
         """What there is to know of what stands at a place."""
@@ -74,7 +81,11 @@ class Workspace:
 
         if document.is_yaml:
             return hover(self.specs, document, line, column)
-        return views.hover(self.sources.state(document), line, column) if is_source(document) else None
+        if not is_source(document):
+            return None
+        state, own = self.sources.at(document, line)
+        found = views.hover(state, own, column)
+        return None if found is None else moved(found, self.sources.real)
 
     def definition(self, document: Document, line: int, column: int) -> Span | None:
         """Where what is named at a place is defined."""
@@ -83,7 +94,7 @@ class Workspace:
 
         if document.is_yaml:
             return definition(self.specs, document, line, column)
-        return names.definition(self.sources.state(document), line, column) if is_source(document) else None
+        return self._placed(names.definition, document, line, column) if is_source(document) else None
 
     def references(self, document: Document, line: int, column: int) -> tuple[Span, ...]:
         """Every place where what stands at a place is named, its definition first."""
@@ -117,7 +128,7 @@ class Workspace:
         from plcgen.workbench.service.specs.names import name_at
 
         if is_source(document):
-            return name_place(self.sources.state(document), line, column)
+            return self._placed(name_place, document, line, column)
         found = name_at(self.specs.state(document), line, column) if document.is_yaml else None
         return None if found is None else found[1]
 
@@ -137,16 +148,32 @@ class Workspace:
 
         if document.is_yaml:
             return outline(self.specs.state(document))
-        return views.outline(self.sources.state(document)) if is_source(document) else ()
+        parts = self.sources.file(document).parts if is_source(document) else ()
+        return tuple(moved(one, self.sources.real) for _, state in parts for one in views.outline(state))
 
-    def tokens(self, document: Document) -> tuple[Token, ...]:
-        """The parts of a source in their colours; specs have the colours of YAML, which every editor knows."""
+    def tokens(self, document: Document) -> tuple[tuple[int, Painted], ...]:
+        """The parts of a source in their colours, with the lines in front of each; the same object while a part is.
+
+        Specs have the colours of YAML, which every editor knows.
+        """
         from plcgen.workbench.service.sources import views
 
-        return tuple(views.tokens(self.sources.state(document))) if is_source(document) else ()
+        parts = self.sources.file(document).parts if is_source(document) else ()
+        return tuple((first, views.painted(state)) for first, state in parts)
 
     def signature(self, document: Document, line: int, column: int) -> Signature | None:
         """What is called at a place of a source."""
         from plcgen.workbench.service.sources import views
 
-        return views.signature(self.sources.state(document), line, column) if is_source(document) else None
+        if not is_source(document):
+            return None
+        state, own = self.sources.at(document, line)
+        return views.signature(state, own, column)
+
+    def _placed(
+        self, ask: Callable[[SourceState, int, int], Span | None], document: Document, line: int, column: int
+    ) -> Span | None:
+        """A place that a part of a source says, as one of a file."""
+        state, own = self.sources.at(document, line)
+        found = ask(state, own, column)
+        return None if found is None else self.sources.real(found)

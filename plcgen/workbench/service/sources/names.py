@@ -12,7 +12,7 @@ from plcgen.s7.scl.lexer import LOCAL, QUOTED, Tokens
 from plcgen.s7.types.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.types.data_types import ArrayType, DataType, Member, NamedType, StructType
 from plcgen.s7.types.errors import UnknownPathError
-from plcgen.workbench.service.sources.state import NAMES, SourceState
+from plcgen.workbench.service.sources.version import NAMES, SourceState
 
 DEEPEST = 64
 """Steps of a name; types contain each other seven levels deep at most on any CPU."""

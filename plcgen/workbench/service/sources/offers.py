@@ -16,7 +16,7 @@ from plcgen.workbench.service.results import Edit, Offer
 from plcgen.workbench.service.sources.names import Step, members_of, walk_to
 
 if TYPE_CHECKING:
-    from plcgen.workbench.service.sources.state import SourceState
+    from plcgen.workbench.service.sources.version import SourceState
 
 _STEP = r'(?:"[^"\n]{1,128}"|\w{1,128})(?:\[[^\]\n]{0,200}\])?'
 _WRITTEN = re.compile(rf'((?:#?{_STEP}\.){{0,16}})([#"]?)(\w{{0,128}})\Z')
@@ -32,7 +32,7 @@ def source_offers(state: SourceState, line: int, column: int) -> Iterator[Offer]
     written = _WRITTEN.search(before)
     if written is None:
         return
-    place = Span(state.document.file, line, column - len(written[3]), line, column)
+    place = Span(state.file, line, column - len(written[3]), line, column)
     unit = state.unit_at(state.offset(line, column))
     own = None if unit is None else state.block_of(unit)
     if written[1]:

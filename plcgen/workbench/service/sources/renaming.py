@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
     from plcgen.s7.types.data_types import Member
     from plcgen.workbench.service.documents import Document
-    from plcgen.workbench.service.sources.state import Sources, SourceState
+    from plcgen.workbench.service.sources.state import Sources
+    from plcgen.workbench.service.sources.version import SourceState
 
 BROKEN = "PG801"
 """A text that is no SCL: what is named behind the mistake may not be found."""
@@ -35,12 +36,12 @@ def rename(sources: Sources, document: Document, line: int, column: int, new: st
     Raises:
         DiagnosticError: why that cannot be done.
     """
-    state = sources.state(document)
+    state, own = sources.at(document, line)
     here = Span(document.file, line, column, line, column)
-    found, home = meant_at(state, state.offset(line, column)), definition(state, line, column)
+    found, home = meant_at(state, state.offset(own, column)), definition(state, own, column)
     if found is None:
         raise _refused("there is no name that could be changed", here, "put the cursor on a block or a variable")
-    meant, place = found
+    meant, place = found[0], sources.real(found[1])
     if home is None:
         raise _refused("it comes with the system, not from a source of this folder", place, "choose another name")
     new = new.strip().removeprefix("#").strip('"')
@@ -93,7 +94,7 @@ def _expect_ours(sources: Sources, places: tuple[Span, ...]) -> None:
         if not foreign_files([path]):
             raise _refused("the file is generated from a spec", place, "change the name in the spec, and generate")
         document = sources.documents.get(path)
-        broken = None if document is None else sources.state(document).diagnostics
+        broken = None if document is None else sources.file(document).diagnostics
         if broken is None or any(one.code == BROKEN for one in broken):
             raise _refused("a file that names it cannot be read whole", place, "correct it first")
 

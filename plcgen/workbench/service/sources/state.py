@@ -1,4 +1,4 @@
-"""What is known of one version of a source, and of the sources around it.
+"""What is known of the sources of a folder.
 
 Of other files only their declarations are kept, each read once until it changes on disk; typing into one file reads no
 other one again.
@@ -7,119 +7,19 @@ other one again.
 from __future__ import annotations
 
 import pathlib
-from bisect import bisect_right
-from collections import ChainMap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
-from plcgen.project.allowances import allowances, settled
-from plcgen.s7.cpu.sources import SUFFIXES, check_text, find_sources
+from plcgen.s7.cpu.sources import find_sources
 from plcgen.s7.read.text import load_text, parse_source
-from plcgen.s7.scl import ast
-from plcgen.s7.scl.lexer import LOCAL, NAME, QUOTED, WORDS, Tokens, tokenize
-from plcgen.s7.scl.parser import ParseResult
 from plcgen.s7.types.blocks import Block
 from plcgen.workbench.service.documents import Document, Documents
+from plcgen.workbench.service.sources.parts import PART, SourceFile
+from plcgen.workbench.service.sources.version import Around, SourceState
 
-NAMES = WORDS | {LOCAL}
-"""Kinds of tokens that may be a step of a name."""
 MOST_BYTES = 32 * 1024 * 1024
 """Sources around a file are read up to so many bytes together."""
-
-
-def is_source(document: Document) -> bool:
-    """Whether a document is a PLC source."""
-    return document.path.suffix.lower() in SUFFIXES
-
-
-@dataclass(frozen=True)
-class SourceState:
-    """A version of a source; each part is worked out when it is asked for, once."""
-
-    document: Document
-    around: Mapping[str, Block]
-    """Blocks of other files by name in upper case."""
-
-    @cached_property
-    def _read(self) -> tuple[ParseResult, list[Block], list[Diagnostic]]:
-        kept: list[ParseResult] = []
-        found, problems = check_text(self.document.text, self.document.path, keep=kept.append)
-        return kept[0], found, problems
-
-    @property
-    def result(self) -> ParseResult:
-        """Its tree and its tokens."""
-        return self._read[0]
-
-    @property
-    def tokens(self) -> Tokens:
-        """Its tokens."""
-        return self._read[0].tokens
-
-    @property
-    def lexed(self) -> Tokens:
-        """Its tokens, without a tree if nobody has asked for one."""
-        return self.tokens if "_read" in self.__dict__ else tokenize(self.document.text, self.document.file)
-
-    @property
-    def blocks(self) -> Sequence[Block]:
-        """Its blocks."""
-        return self._read[1]
-
-    @property
-    def diagnostics(self) -> Sequence[Diagnostic]:
-        """What ``check`` says of it, less what its comments allow."""
-        file = self.document.path.as_posix()
-        return tuple(settled(self._read[2], allowances(self.document.text, file)))
-
-    @cached_property
-    def own(self) -> Mapping[str, Block]:
-        """Its blocks by name in upper case; of two with one name the first."""
-        return {block.name.upper(): block for block in reversed(self.blocks)}
-
-    @cached_property
-    def types(self) -> Mapping[str, Block]:
-        """Every block that it can name: its own, those of other files."""
-        return ChainMap(dict(self.own), self.around)  # type: ignore[arg-type]
-
-    def offset(self, line: int, column: int) -> int:
-        """Character offset of a place."""
-        starts = self._line_starts
-        return starts[min(line, len(starts)) - 1] + column - 1
-
-    @cached_property
-    def _line_starts(self) -> Sequence[int]:
-        """Offsets at which the lines begin; every line end is one character."""
-        found = [0]
-        for line in self.document.lines:
-            found.append(found[-1] + len(line) + 1)
-        return found[:-1]
-
-    def token_at(self, offset: int) -> int | None:
-        """The token at an offset; between two of them the one that is a name."""
-        tokens = self.tokens
-        last = bisect_right(tokens.starts, offset) - 1
-        found = [at for at in (last, last - 1) if at >= 0 and tokens.texts[at] and offset <= tokens.end(at)]
-        return next((at for at in found if tokens.kinds[at] in NAMES), found[0] if found else None)
-
-    def unit_at(self, offset: int) -> ast.Unit | None:
-        """The block in which an offset is."""
-        return next((unit for unit in self.result.units if unit.start <= offset <= unit.end), None)
-
-    def block_of(self, unit: ast.Unit) -> Block | None:
-        """The block that a unit declares."""
-        return next((block for block in self.blocks if block.name == unit.name), None)
-
-    def name_place(self, unit: ast.Unit) -> Span:
-        """Where the name of a block stands, else the word that begins it."""
-        tokens = self.tokens
-        first = bisect_right(tokens.starts, unit.start) - 1
-        for at in range(first, min(first + 4, len(tokens.kinds))):
-            if tokens.kinds[at] in {NAME, QUOTED} and tokens.texts[at].strip('"') == unit.name:
-                return tokens.span(tokens.starts[at], tokens.end(at))
-        return tokens.span(unit.start, unit.start + len(unit.keyword))
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,49 +30,56 @@ class _Kept:
     blocks: tuple[Block, ...]
 
 
-class _Around(Mapping[str, Block]):
-    """Blocks of the files around one, read when a name is looked up that the file itself does not declare."""
+@dataclass(slots=True)
+class _Outside:
+    """Blocks of the files around one: read when they are asked for, and again after files have changed."""
 
-    def __init__(self, sources: Sources, path: pathlib.Path) -> None:
-        self._sources, self._path = sources, path
+    sources: Sources
+    path: pathlib.Path
+    turn: int = -1
+    found: Mapping[str, Block] = field(default_factory=dict)
 
-    @cached_property
-    def _found(self) -> dict[str, Block]:
-        return self._sources.declared_around(self._path)
-
-    def __getitem__(self, key: str) -> Block:
-        return self._found[key]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._found)
-
-    def __len__(self) -> int:
-        return len(self._found)
+    def __call__(self) -> Mapping[str, Block]:
+        if self.turn != self.sources.turn:
+            self.turn, self.found = self.sources.turn, self.sources.declared_around(self.path)
+        return self.found
 
 
 @dataclass(slots=True)
 class Sources:
-    """What is known of the sources among some documents."""
+    """What is known of the sources among some documents; ``turn`` grows when there are other files or documents."""
 
     documents: Documents
-    _states: dict[pathlib.Path, SourceState] = field(default_factory=dict)
+    turn: int = 0
+    _known: dict[pathlib.Path, SourceFile] = field(default_factory=dict)
     _kept: dict[pathlib.Path, _Kept] = field(default_factory=dict)
     _files: tuple[int, tuple[pathlib.Path, ...]] | None = None
 
-    def state(self, document: Document) -> SourceState:
-        """What is known of a version; what is around it is looked up anew for each version."""
-        known = self._states.get(document.path)
-        if known is None or known.document is not document:
-            known = SourceState(document, _Around(self, document.path))
-            if self.documents.find(document.path) is document:
-                self._states[document.path] = known
-        return known
+    def file(self, document: Document) -> SourceFile:
+        """What is known of a version: what an edit has left alone is what was known before."""
+        known = self._known.get(document.path)
+        if known is not None and known.document is document:
+            return known
+        found = None if known is None else known.after(document)
+        found = found or SourceFile.of(document, Around(_Outside(self, document.path)))
+        if self.documents.find(document.path) is document:
+            self._known[document.path] = found
+        return found
+
+    def at(self, document: Document, line: int) -> tuple[SourceState, int]:
+        """The part in which a line of a document is, and which line of it that is."""
+        return self.file(document).at(line)
+
+    def real(self, place: Span) -> Span:
+        """A place of a part as one of its file."""
+        file, mark, _ = place.file.partition(PART)
+        known = self._known.get(pathlib.Path(file)) if mark else None
+        return place if known is None else known.real(place)
 
     def renewed(self) -> None:
         """Files or documents are others: what open ones see around them is looked up again."""
-        for path, state in self._states.items():
-            self._states[path] = SourceState(state.document, _Around(self, path))
-        self._states = {path: one for path, one in self._states.items() if self.documents.find(path) is one.document}
+        self.turn += 1
+        self._known = {path: one for path, one in self._known.items() if self.documents.find(path) is one.document}
 
     def files(self) -> tuple[pathlib.Path, ...]:
         """The sources of the folder, as it was when a file on disk was last reported as changed."""
@@ -201,7 +108,7 @@ class Sources:
     def blocks_of(self, path: pathlib.Path) -> Sequence[Block]:
         """The blocks that a file declares, as it is open or on disk."""
         document = self.documents.find(path)
-        return self.state(document).blocks if document is not None else self._declarations(path).blocks
+        return self.file(document).blocks if document is not None else self._declarations(path).blocks
 
     def _declarations(self, path: pathlib.Path) -> _Kept:
         """The declarations of a file on disk, read again only if it is another one than before."""

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 from plcgen.base.diagnostics import Span
 from plcgen.base.display.page import Page
@@ -33,11 +34,20 @@ from plcgen.s7.tables.tables import size_text
 from plcgen.s7.types.blocks import Block, BlockKind, SectionKind, block_title
 from plcgen.s7.types.data_types import elementary
 from plcgen.s7.types.spelling import type_text
-from plcgen.workbench.service.results import Hover, Signature, SignaturePart, Symbol, SymbolKind, Token, TokenKind
+from plcgen.workbench.service.results import (
+    Hover,
+    Painted,
+    Signature,
+    SignaturePart,
+    Symbol,
+    SymbolKind,
+    Token,
+    TokenKind,
+)
 from plcgen.workbench.service.sources.names import Meant, entry_of, meaning, meant_at, system_block
 
 if TYPE_CHECKING:
-    from plcgen.workbench.service.sources.state import SourceState
+    from plcgen.workbench.service.sources.version import SourceState
 
 _PASSED = (SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT)
 MOST_MEMBERS = 2_000
@@ -263,6 +273,16 @@ _KINDS: Mapping[str, TokenKind] = {
     ADDRESS: "variable", POINTER: "number",
 }  # fmt: skip
 _WORD_OPERATORS = {"AND", "OR", "XOR", "NOT", "MOD", "DIV"}
+
+
+_PAINTED: WeakKeyDictionary[SourceState, Painted] = WeakKeyDictionary()
+
+
+def painted(state: SourceState) -> Painted:
+    """The colours of a text, found once."""
+    if state not in _PAINTED:
+        _PAINTED[state] = Painted(state.document.lines, tuple(tokens(state)))
+    return _PAINTED[state]
 
 
 def tokens(state: SourceState) -> Iterator[Token]:
