@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from plcgen.build.document import Document
+from plcgen.build.guides import guide
 from plcgen.build.overview import Overview
 from plcgen.build.simaticml import VERSION_NOTE, WATCH_NOTE
 from plcgen.build.spelling import culture
@@ -31,7 +32,7 @@ def openness_documents(project: Project, seen: Overview, note: str) -> Iterator[
         "cultures": [culture(language) for language in project.languages],
         "experimental": _experimental(version, steps, seen.notes, note),
     }
-    yield Document("xml/IMPORT.md", "text/xml_import.md.j2", view)
+    yield guide(project, "xml/IMPORT.md", "text/xml_import.md.j2", view)
     if project.target.t15:
         yield Document("xml/import.ps1", "text/import.ps1.j2", {"version": version}, "", "ascii", "\r\n", SCRIPT_NOTE)
         yield Document("xml/import.json", text=json.dumps({"steps": steps}, indent=2) + "\n")

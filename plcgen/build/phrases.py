@@ -60,7 +60,8 @@ def _titles() -> Mapping[str, tuple[str, ...]]:
 
 
 def _rows(name: str) -> list[tuple[str, list[str]]]:
-    paths = sorted(templates_dir().glob(f"*/{name}.toml"))
+    wide = ("ppi", "ds47", "shared")  # "Read {what}" of drives is wider than "Read {what} of {station}"
+    paths = sorted(templates_dir().glob(f"*/{name}.toml"), key=lambda path: wide.index(path.parent.name))
     return [row for path in paths for row in tomllib.loads(path.read_text("utf-8")).items()]
 
 
@@ -99,7 +100,7 @@ def _inside(name: str, text: str, *, own: bool) -> Mapping[str, str]:
     if name in {"phrase", "condition"}:
         return _line(text, own=own) or (same if name == "condition" else {})
     if name == "title":
-        return _title(text) or (same if own else {})
+        return title_in(text) or (same if own else {})
     match = _PARAMETER.fullmatch(text) if name == "parameter" else None
     if match is None:
         return same
@@ -107,7 +108,8 @@ def _inside(name: str, text: str, *, own: bool) -> Mapping[str, str]:
     return {language: f"{match[1]} {one}" for language, one in title.items()}
 
 
-def _title(text: str) -> Mapping[str, str]:
+def title_in(text: str) -> Mapping[str, str]:
+    """The title of a parameter by language, with what it is in a connection; empty if nobody has translated it."""
     role = _ROLE.match(text)
     head = role[0] if role else ""
     found = _titles().get(text[len(head) :], ())

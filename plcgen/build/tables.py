@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from plcgen.base.display.table import Row, csv_table
 from plcgen.base.display.workbook import workbook_bytes
 from plcgen.build.document import Document
+from plcgen.build.guides import guide
 from plcgen.build.nouns import TagRow, WatchRow
 from plcgen.build.one_source import source_path
 from plcgen.build.overview import Overview
@@ -50,14 +51,15 @@ def table_documents(project: Project, seen: Overview, sources: SourceWriter) -> 
         "system_blocks": [name for contribution in seen.contributions for name in contribution.system_blocks],
         "tag_table": next(iter(seen.tags), ""),
         "parts": [part for before, _ in guides for part in before],
+        "flags": [(str(at), job.key, signal) for job in project.jobs for signal, at in job.trigger.flags()],
         "foreign": list(_foreign(project)),
         "one": source_path(project) if sources.one else "",
         "main": sources.main_path,
         "order": [*order, sources.main_path],
         "closing": [part for _, behind in guides for part in behind],
     }
-    yield Document("IMPORT.md", "text/import.md.j2", view)
-    yield Document("LAYOUT.md", "text/layout.md.j2", {"project": project.name, "sheets": seen.sheets})
+    yield guide(project, "IMPORT.md", "text/import.md.j2", view)
+    yield guide(project, "LAYOUT.md", "text/layout.md.j2", {"project": project.name, "sheets": seen.sheets})
     yield Document(ATTRIBUTES, text=_ATTRIBUTES)
 
 
@@ -93,11 +95,11 @@ def tag_workbook(tables: Mapping[str, Sequence[TagRow]]) -> bytes:
     return workbook_bytes({"PLC Tags": [_TAGS, *rows]}, {"TIA_Version": "1.0"})
 
 
-def _foreign(project: Project) -> Iterator[tuple[str, str, str]]:
-    """What of the user's program is named: symbol, type, what it is for."""
+def _foreign(project: Project) -> Iterator[tuple[str, str, str, str]]:
+    """What of the user's program is named: symbol, type, job, what it is for."""
     for job in project.jobs:
         for signal, symbol in job.trigger.symbols():
-            yield symbol.text(), "WORD" if signal == "status" else "BOOL", f"{signal} of {job.key}"
+            yield symbol.text(), "WORD" if signal == "status" else "BOOL", job.key, signal
 
 
 def _import_order(seen: Overview, sources: SourceWriter) -> list[str]:

@@ -21,6 +21,7 @@ from plcgen.proof.checks import Check, file_check
 from plcgen.proof.folder import Folder
 from plcgen.proof.headers import MAIN
 from plcgen.proof.making import attempted
+from plcgen.proof.wording.languages import read_back
 from plcgen.s7.layout.image import image
 from plcgen.s7.layout.layout import Layout, layout_block, locate
 from plcgen.s7.types.address import Address
@@ -232,6 +233,7 @@ class _Tables:
         """Every source once, and behind what it needs; the example of OB1 last, or not at all."""
         text = self.text(name)
         if name == "IMPORT.md":
+            text = read_back(text, self.project.languages[0])
             listed = [item.rsplit("/", 1)[-1].rsplit(".", 1)[0] for item in _ITEM.findall(_section(text, "## Order"))]
         else:
             listed = text.split()

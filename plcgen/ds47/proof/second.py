@@ -61,7 +61,7 @@ def fact_checks(plan: DrivePlan) -> Iterator[Check]:
             yield Check(id_, subject, "", Outcome.NOT_RUN, "not run: no second source is known for this device")
         else:
             text = f"drive object, record: {said.source}"
-            yield _agreement(id_, subject, text, "as documents say", list(_address(plan, drive, said)))
+            yield _agreement(id_, subject, text, "a second source agrees", list(_address(plan, drive, said)))
     for key, pairs in asked.items():
         yield _type_check(plan, key, pairs)
     if asked:
@@ -83,7 +83,7 @@ def _type_check(plan: DrivePlan, key: str, pairs: Sequence[tuple[PlannedDrive, U
     if not second and not wrong:
         verdict = f"not run: no second source was found for the type of {quantity(len(single), 'parameter')}"
         return Check(id_, subject, "", Outcome.NOT_RUN, verdict)
-    verdict = f"{len(second)} of {quantity(len(second) + len(single), 'parameter')} as documents say"
+    verdict = f"{len(second)} of {quantity(len(second) + len(single), 'type')}: a second source agrees"
     if single:
         shown = [single[number] for number in sorted(single)]
         verdict += f"; one source: {', '.join(shown[:_SHOWN])}{', ..' if len(shown) > _SHOWN else ''}"

@@ -100,7 +100,13 @@ def _identifiers(plan: DrivePlan) -> dict[str, Any]:
         for drive in plan.drives
         if drive.key in used
     ]
-    return {"what": "address" if classic else "identifier", "drives": rows, "classic": classic}
+    ambiguous = not classic and any(row["index"] == hardware.PROFIBUS_INDEX for row in rows)
+    return {
+        "what": "address" if classic else "identifier",
+        "drives": rows,
+        "classic": classic,
+        "on_profinet": ambiguous,
+    }
 
 
 def _number(value: int, *, classic: bool) -> str:

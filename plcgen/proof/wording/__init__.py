@@ -26,6 +26,7 @@ from plcgen.proof.wording.guides import (
     check_guide,
     check_line_ends,
 )
+from plcgen.proof.wording.languages import read_back
 from plcgen.proof.wording.listing import FILE as MANIFEST
 from plcgen.proof.wording.listing import check_manifest
 from plcgen.proof.wording.main import check_main
@@ -104,5 +105,6 @@ def _files(project: Project, folder: Folder, stated: Sequence[Wording]) -> Itera
         if path.is_file() and not is_owned(name, project.loaded.spec.plc.user_owned):
             encoding = "cp1252" if name.endswith(".sdf") else "utf-8-sig"
             text = read_bounded(path, MAX_BYTES).decode(encoding, "replace").replace("\r\n", "\n")
-            said = chain(look(text), broken_tables(text) if name.endswith(".md") else ())
+            told = read_back(text, project.languages[0]) if name in {GUIDE, SHEET, DOCUMENTS} else text
+            said = chain(look(told), broken_tables(text) if name.endswith(".md") else ())
             yield from (Diagnostic("PG614", what, Span(str(path), line, 1)) for line, what in said)

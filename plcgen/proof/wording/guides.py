@@ -41,10 +41,10 @@ def check_guide(project: Project, folder: Path, stated: Sequence[Wording], text:
         *map(GuideLine, _steps(project, folder, stated)),
         GuideLine(
             "A PLC has one spec: the files of a second one would replace blocks of the same name or number. "
-            "plcgen compares the specs of a folder."
+            "plcgen compares the specs of a folder. "
+            f"Generated for {project.target.toolchain}. These files belong to you."
         ),
-        GuideLine(f"Generated for {project.target.toolchain}. These files belong to you."),
-        *map(GuideLine, _foreign(project)),
+        *map(GuideLine, (*_foreign(project), *_flags(project))),
         *(line for before, _ in parts for line in before),
     ]
     behind = [line for _, after in parts for line in after]
@@ -93,11 +93,23 @@ def _steps(project: Project, folder: Path, stated: Sequence[Wording]) -> Iterato
 def _foreign(project: Project) -> Iterator[str]:
     """Places of the user's own program that the calls name."""
     rows = [
-        f"| `{place.text()}` | {'WORD' if signal == 'status' else 'BOOL'} | {signal} of {job.key} |"
+        f"| `{place.text()}` | {'WORD' if signal == 'status' else 'BOOL'} | {job.key} | {signal} |"
         for job in project.jobs
         for signal, place in job.trigger.symbols()
     ]
     yield from (*_said("foreign"), *rows) if rows else ()
+
+
+def _flags(project: Project) -> Iterator[str]:
+    """Bits and words of the flag memory that start jobs and show how they end, as the spec has them."""
+    rows = [
+        f"| `{str(signals[signal]).removeprefix('%')}` | {job.key} | {signal} |"
+        for job in project.jobs
+        for signals in [dict(job.trigger.flags())]
+        for signal in ("execute", "busy", "done", "error", "status")
+        if signal in signals
+    ]
+    yield from (*_said("flags"), *rows) if rows else ()
 
 
 def check_documents_guide(

@@ -15,6 +15,7 @@ from plcgen.ds47.proof.wording.grounds import Stated
 from plcgen.ds47.proof.wording.naming import labels, same_number
 from plcgen.oracles.spec.ds47.signing import SAFETY
 from plcgen.proof.folder import plain
+from plcgen.proof.wording.languages import title_in
 from plcgen.proof.wording.model import GuideLine
 
 OUTPUT, RECORD_47 = 0x8000, 47
@@ -41,12 +42,14 @@ def guide_before(plan: DrivePlan) -> list[GuideLine]:
     asked = {job.drive.key for job in plan.jobs}
     found = _said("identifiers", what="address" if plan.target.classic else "identifier")
     found += [_drive(drive, classic=plan.target.classic) for drive in plan.drives if drive.key in asked]
+    used = {drive.record_index for drive in plan.drives if drive.key in asked}
+    found += _said("record_47") if RECORD_47 in used and not plan.target.classic else []
     found += _said("errors") if plan.target.classic else []
     numbered = [
         buffer.db for job in plan.shapes for one in job.telegrams for buffer in one.buffers if buffer.db is not None
     ]
     if numbered:
-        found += [*_said("numbers"), *_said("v5" if plan.target.v5 else "tia"), *_said("buffers")]
+        found += [" ".join([*_said("numbers"), *_said("v5" if plan.target.v5 else "tia")]), *_said("buffers")]
         found += [f"| {db.name} | DB{db.number} |" for db in numbered]
     return [GuideLine(text) for text in found]
 
@@ -74,14 +77,19 @@ def behind(plan: DrivePlan, stated: Stated) -> list[GuideLine]:
 
 
 def _written(plan: DrivePlan, stated: Stated, job: DriveJob, use: Use) -> GuideLine:
-    front = plain(f"| {job.block.name} | {job.drive.key} | {labels(job)[use.position]} | {use.parameter.title} |")
+    title = use.parameter.title
+    fronts = [
+        plain(f"| {job.block.name} | {job.drive.key} | {labels(job)[use.position]} | {one} |")
+        for one in (title, title_in(plan.languages[0], title))
+    ]
     end = plain(f"| {'; '.join(_notes(plan, stated, job, use))} |")
 
     def accepts(text: str) -> bool:
-        inside = text.removeprefix(front).removesuffix(end).strip()
-        return text.startswith(front) and text.endswith(end) and says_value(job, use, inside)
+        front = next((one for one in fronts if text.startswith(one)), None)
+        inside = text.removeprefix(front or "").removesuffix(end).strip()
+        return front is not None and text.endswith(end) and says_value(job, use, inside)
 
-    return GuideLine(f"{front} {use.data.hex(' ').upper()} {end}", accepts)
+    return GuideLine(f"{fronts[0]} {use.data.hex(' ').upper()} {end}", accepts)
 
 
 def _notes(plan: DrivePlan, stated: Stated, job: DriveJob, use: Use) -> Iterator[str]:

@@ -51,9 +51,10 @@ def _module(plan: PpiPlan) -> Iterator[str]:
         yield from _said("cm", speed=speed, gap=GAP_BITS, longest=LONGEST)
         return
     gap = max(LEAST_GAP_MS, -(-GAP_BITS * 1000 // slowest))
-    parts = ("cp", "v5", "buffers", "numbers") if plan.target.v5 else ("cp", "tia", "buffers", "number", "numbers")
-    for part in parts:
-        yield from _said(part, speed=speed, gap=gap, longest=LONGEST)
+    yield from _said("cp", speed=speed, gap=gap, longest=LONGEST)
+    yield from _said("v5" if plan.target.v5 else "tia")
+    yield " ".join([*_said("buffers"), *([] if plan.target.v5 else _said("number"))])
+    yield from _said("numbers")
     yield from (f"| {one.buffer.name} | DB{one.buffer.number} |" for one in plan.masters if one.buffer is not None)
 
 
