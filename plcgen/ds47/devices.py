@@ -180,6 +180,12 @@ def find_device(name: str) -> Device:
     return found
 
 
+def sibling_devices(device: Device) -> list[Device]:
+    """The other shipped devices of the manufacturer's family that a device belongs to, or that it is like."""
+    family = (device.like or device.key).partition("-")[0]
+    return [_shipped_device(name) for name in _shipped() if name.startswith(f"{family}-") and name != device.key]
+
+
 def named_parameters(profiles: Iterable[str] = ()) -> dict[str, list[Parameter]]:
     """Parameters of all devices, and of some ``profiles`` besides, by their names, for completion."""
     found: dict[str, list[Parameter]] = {}

@@ -7,7 +7,7 @@ from typing import TypeAlias, TypeVar
 
 from plcgen.ds47.device import Parameter
 from plcgen.ds47.kind import Poll, ReadItem, Wait, WriteItem
-from plcgen.ds47.wire.formats import Format, FormatKind, unpack_values
+from plcgen.ds47.wire.formats import FROM_ANSWER, Format, FormatKind, unpack_values
 from plcgen.project.spec import SpecPath
 
 _NUMBERS = frozenset({FormatKind.BOOLEAN, FormatKind.SIGNED, FormatKind.UNSIGNED, FormatKind.FLOAT})
@@ -15,10 +15,13 @@ _NUMBERS = frozenset({FormatKind.BOOLEAN, FormatKind.SIGNED, FormatKind.UNSIGNED
 
 @dataclass(frozen=True, slots=True)
 class Read:
-    """The value is an output, or a member of the record if it is ``recorded``; ``bits`` are outputs of their own."""
+    """The value is an output, or a member of the record if it is ``recorded``.
+
+    ``shown`` are outputs of their own: bits of a word, or what a value is whose type comes from the answer.
+    """
 
     recorded: bool = False
-    bits: tuple[Use, ...] = ()
+    shown: tuple[Use, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +39,13 @@ class Bit:
 
     number: int
     constant: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """What a value is whose type comes from the answer: its ``format``, or the value as ``dint`` or ``real``."""
+
+    name: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +95,9 @@ class Recount:
     """The counter of a buffer of messages, or the codes of a group, are read once more, to see whether they changed."""
 
 
-Role: TypeAlias = Read | Write | Bit | Compare | Verify | Remember | Mask | Running | Column | Recount | Poll | Wait
+Role: TypeAlias = (
+    Read | Write | Bit | Form | Compare | Verify | Remember | Mask | Running | Column | Recount | Poll | Wait
+)
 _Role = TypeVar("_Role", bound=Role)
 
 
@@ -144,9 +156,14 @@ class Use:
         return self.role.bits if isinstance(self.role, Write) else ()
 
     @property
-    def read_bits(self) -> tuple[Use, ...]:
-        """The bits that are shown, of a word that is read."""
-        return self.role.bits if isinstance(self.role, Read) else ()
+    def shown(self) -> tuple[Use, ...]:
+        """Of what is read: bits of the word, or the forms of a value without a type, each an output of its own."""
+        return self.role.shown if isinstance(self.role, Read) else ()
+
+    @property
+    def untyped(self) -> bool:
+        """Whether its type comes from the answer."""
+        return self.format is FROM_ANSWER
 
     @property
     def bit(self) -> int | None:

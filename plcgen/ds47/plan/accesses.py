@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from plcgen.base.diagnostics import Diagnostic, Report
@@ -12,6 +12,7 @@ from plcgen.ds47.plan.bits import BitResolver, has_bits, in_front, shown_bit
 from plcgen.ds47.plan.readback import read_back, transaction
 from plcgen.ds47.plan.recipes import Recipes
 from plcgen.ds47.plan.steps import resolved_steps
+from plcgen.ds47.plan.untyped import with_forms
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.ds47.references import Reference, number_of, parse_reference, split_bit
 from plcgen.ds47.registry import kinds
@@ -100,7 +101,8 @@ class Accesses:
         """All uses of the job, with those of what it does behind its own; none after a diagnostic."""
         first = self._own(kind, 0)
         then = kind_behind(self.job, kind)
-        return first + self._own(then, len(first)) if then is not None and first else first
+        uses = first + self._own(then, len(first)) if then is not None and first else first
+        return tuple(with_forms(use, self.resolver.longest_name) for use in uses)
 
     def _own(self, kind: JobKind, before: int) -> tuple[Use, ...]:
         """The uses of one kind, with ``before`` others in front of them."""
@@ -126,7 +128,7 @@ class Accesses:
             return self._with_bits(kind, items, place)
         expanded = self._expanded(kind, items, place)
         items = tuple(expanded.items)
-        uses = self._resolved(kind, items, expanded.places, before)
+        uses = self._resolved(kind, items, expanded.places, before, expanded.bits)
         if len(uses) == len(items):
             return self._complete(kind, self._shown(uses, expanded), items)
         return uses if kind.messages is None else ()
@@ -154,7 +156,7 @@ class Accesses:
             asked = expanded.bits.get(at, ())
             bits = [shown_bit(use, number, item, path, self.resolver) for item, number, path in asked]
             known = tuple(bit for bit in bits if bit is not None)
-            found.append(replace(use, role=Read(bits=known)) if asked else use)
+            found.append(replace(use, role=Read(shown=known)) if asked else use)
         return tuple(found)
 
     def _main_values(self, item: ReadItem | WriteItem, place: SpecPath) -> Iterator[ReadItem]:
@@ -176,12 +178,15 @@ class Accesses:
                 given = {"parameter": parameter, "as": camel_case(name), "comment": item.comment}
                 yield ReadItem.model_validate(given)
 
-    def _resolved(self, kind: JobKind, items: Items, places: Sequence[SpecPath], before: int) -> tuple[Use, ...]:
-        """The items that the drive knows."""
+    def _resolved(
+        self, kind: JobKind, items: Items, places: Sequence[SpecPath], before: int, bits: Collection[int]
+    ) -> tuple[Use, ...]:
+        """The items that the drive knows; a word of which ``bits`` are shown needs a type."""
         found = []
         for number, (item, where) in enumerate(zip(items, places, strict=True)):
             write = kind.writes and isinstance(item, WriteItem)
-            found.append(self.resolver.resolve(item, before + number + 1, where, write=write))
+            free = kind.key == "read" and number not in bits
+            found.append(self.resolver.resolve(item, before + number + 1, where, write=write, free=free))
         uses = tuple(use for use in found if use is not None)
         if kind.recorded:
             recorded = self.recipes.recorded(uses, self.resolver)

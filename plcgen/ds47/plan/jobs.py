@@ -260,6 +260,7 @@ def _more_than_data_blocks(kind: JobKind, uses: Sequence[Use], where: Target) ->
     if any(type_ is not None and type_.bits > 32 for type_ in types):
         return "has an input of 8 bytes"
     works = {"has a recipe": kind.recorded, "compares": kind.compares, "sets a clock": kind.sets_clock}
+    works["reads without a type"] = any(use.untyped for use in uses)
     return next((work for work, does in works.items() if does), "")
 
 

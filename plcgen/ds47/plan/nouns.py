@@ -245,9 +245,14 @@ class DriveJob(PlannedJob):
         return () if self.whole else tuple(use for use in self.uses if not use.writes)
 
     @property
-    def shown_bits(self) -> tuple[tuple[Use, Use], ...]:
-        """Words that it reads with the bits of which each is an output."""
-        return tuple((use, bit) for use in self.uses for bit in use.read_bits)
+    def shown(self) -> tuple[tuple[Use, Use], ...]:
+        """What it reads with what of it is an output of its own: bits of words, forms of values without a type."""
+        return tuple((use, one) for use in self.uses for one in use.shown)
+
+    @property
+    def untyped(self) -> bool:
+        """Whether the type of a value comes from the answer."""
+        return any(use.untyped for use in self.uses)
 
     @property
     def stores(self) -> bool:

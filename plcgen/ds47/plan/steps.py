@@ -25,7 +25,8 @@ def resolved_steps(
     names: set[str] = set()
     for position, one in enumerate(steps, 1):
         place = (*path, *one.place)
-        use = resolver.resolve(one.item, position, place, write=isinstance(one.item, WriteItem))
+        write = isinstance(one.item, WriteItem)
+        use = resolver.resolve(one.item, position, place, write=write, free=not write and one.awaited is None)
         if use is not None and one.awaited is not None:
             use = _waiting(use, one, one.awaited, place, loaded, resolver)
         if use is None:

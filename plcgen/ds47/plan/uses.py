@@ -8,10 +8,12 @@ from dataclasses import replace
 from typing import Any
 
 from plcgen.base.diagnostics import Diagnostic, Report, Severity
+from plcgen.base.diagnostics.counting import shortlist
 from plcgen.base.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.ds47 import guards
-from plcgen.ds47.device import Fact, Parameter, limit_text
+from plcgen.ds47.device import UNKNOWN, Fact, Parameter, limit_text
 from plcgen.ds47.kind import ReadItem, WriteItem
+from plcgen.ds47.plan import untyped
 from plcgen.ds47.plan.access import Compare, Read, Use, Write
 from plcgen.ds47.plan.nouns import PlannedDrive
 from plcgen.ds47.plan.pack import MAX_TELEGRAMS
@@ -19,12 +21,16 @@ from plcgen.ds47.references import Reference, number_of, parse_reference, spelli
 from plcgen.ds47.types import TypeTextError, read_type
 from plcgen.ds47.wire import formats
 from plcgen.ds47.wire.bico import parse_bico
-from plcgen.ds47.wire.formats import Format, FormatKind, FormatValueError
+from plcgen.ds47.wire.formats import FROM_ANSWER, Format, FormatKind, FormatValueError
 from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.s7.types.names import TIA_LIMIT, V5_LIMIT, camel_case, shorten
 
 HIGHEST_BOUND = 32_767
 """Bounds of arrays are INT; a range is an array with the drive's own indexes, and a pad element behind it."""
+
+
+_NAMED = 3
+"""Devices that are named as sources of a type."""
 
 
 class UseResolver:
@@ -78,8 +84,10 @@ class UseResolver:
             self.problem("PG262", message, path, help_ or f"the drive would answer error 00h: {search}")
         return bool(gone)
 
-    def resolve(self, item: ReadItem | WriteItem, position: int, path: SpecPath, *, write: bool) -> Use | None:
-        """Turn one item of a job into a use; None if something about it is wrong."""
+    def resolve(
+        self, item: ReadItem | WriteItem, position: int, path: SpecPath, *, write: bool, free: bool = False
+    ) -> Use | None:
+        """Turn one item of a job into a use; None if something about it is wrong. ``free``: it may have no type."""
         place: SpecPath = (*path, "parameter")
         reference = parse_reference(item.parameter)
         if reference is None:
@@ -90,7 +98,7 @@ class UseResolver:
                 spelling_hint(item.parameter),
             )
             return None
-        parameter = self._parameter(reference, item, path)
+        parameter = self._parameter(reference, item, path, free=free and reference.first == reference.last)
         if parameter is None or parameter.pnu in self.unusable:
             return None
         settled = self._format(parameter, path)
@@ -138,7 +146,9 @@ class UseResolver:
     def _elements(self, reference: Reference, values: int, *, write: bool) -> int:
         return self.device.scalar_elements[1 if write else 0] if reference.first is None else values
 
-    def _parameter(self, reference: Reference, item: ReadItem | WriteItem, path: SpecPath) -> Parameter | None:
+    def _parameter(
+        self, reference: Reference, item: ReadItem | WriteItem, path: SpecPath, *, free: bool
+    ) -> Parameter | None:
         place: SpecPath = (*path, "parameter")
         given = item.type
         if reference.pnu is None:
@@ -153,28 +163,14 @@ class UseResolver:
             self.problem("PG203", f"parameter number {reference.pnu} is outside 1..65535", place)
             return None
         known = self.own.get(reference.pnu) or self.device.find(reference.pnu, self.object_type)
-        if known is None and given is None:
-            written = f"{'r' if reference.read_only else 'P'}{reference.pnu}"
-            if self.lacks([written], place):
+        written = f"{'r' if reference.read_only else 'P'}{reference.pnu}"
+        if given is None and (known is None or not known.type):
+            if known is None and self.lacks([written], place):
                 return None
-            # no number that looks like it is offered: the neighbour of a parameter is another parameter
-            message = f"{written} is not in the catalogue of {self.device.key}: its data type is missing"
-            own = "type: .."
-            if isinstance(item, WriteItem) and isinstance(item.value, str) and parse_bico(item.value) is not None:
-                own = "type: Unsigned32, bico: true"  # whatever its number: the value is a source
-            define = f"parameters: {{{written}: {{{own}}}}}"
-            short = own.partition(",")[0]
-            help_ = f"look it up in the list manual and give its type: {{{short}}}; or define it in the drive: {define}"
-            self.problem("PG204", message, place, help_)
-            return None
+            return self._without_type(known or Parameter(reference.pnu, ""), written, item, place, free=free)
         if known is None:
             access = "r" if reference.pnu in guards.READ_ONLY else "rw"
             return Parameter(reference.pnu, given or "", access=access)
-        if not known.type and given is None:
-            message = f"P{reference.pnu} ({known.title}) is in the catalogue without its data type: {known.source}"
-            help_ = "look it up in the list manual of your firmware and give it: {type: Unsigned16}"
-            self.problem("PG204", message, place, help_)
-            return None
         if not known.type and given is not None:
             return replace(known, type=given)
         if given is not None and given.lower() != known.type.lower():
@@ -190,8 +186,46 @@ class UseResolver:
             return None
         return known
 
+    def _without_type(
+        self, known: Parameter, written: str, item: ReadItem | WriteItem, place: SpecPath, *, free: bool
+    ) -> Parameter | None:
+        """A number of which the catalogue has no type: the answer to a read tells it, else devices of the family may.
+
+        PG204 if they do not agree, or none has the number. No number that looks like it is offered: the neighbour of a
+        parameter is another parameter.
+        """
+        only_read = written.startswith("r") or known.pnu in guards.READ_ONLY or known.access == "r"
+        access = "r" if only_read and isinstance(item, ReadItem) else known.access
+        if free:
+            return replace(known, type=untyped.ANY, access=access)
+        said = untyped.of_siblings(self.device, known.pnu)
+        if len(said) == 1:
+            ((type_, rows),) = said.items()
+            read_only = any(row.access == "r" for row in rows)
+            sources = shortlist([row.source for row in rows], _NAMED, f", .. ({len(rows)} devices)")
+            return replace(
+                known, type=type_, title=known.title or rows[0].title, unit=known.unit or rows[0].unit, source=sources,
+                access="r" if read_only else access, bico=all(row.bico for row in rows), indexes=UNKNOWN,
+                grades={"type": "inferred", "title": "inferred", "unit": "inferred"},
+            )  # fmt: skip
+        message = f"{written} is not in the catalogue of {self.device.key}: its data type is missing"
+        if known.source:
+            message = f"{written} ({known.title}) is in the catalogue without its data type: {known.source}"
+        for type_, rows in said.items():
+            message += f"; {type_} in {rows[0].source}"
+        own = "type: .."
+        if isinstance(item, WriteItem) and isinstance(item.value, str) and parse_bico(item.value) is not None:
+            own = "type: Unsigned32, bico: true"  # whatever its number: the value is a source
+        define = f"parameters: {{{written}: {{{own}}}}}"
+        short = own.partition(",")[0]
+        help_ = f"look it up in the list manual and give its type: {{{short}}}; or define it in the drive: {define}"
+        self.problem("PG204", message, place, help_)
+        return None
+
     def _format(self, parameter: Parameter, path: SpecPath) -> tuple[Format, int] | None:
         """Format and, for strings, the number of octets."""
+        if parameter.type == untyped.ANY:
+            return FROM_ANSWER, 0
         try:
             return read_type(parameter.type)
         except TypeTextError as wrong:

@@ -105,7 +105,7 @@ def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterat
     values |= {*(FAILED if job.in_steps else ()), *recipe_signals(job)}
     values |= {"diagnosis"}
     values |= {CAUSE} if job.restores else set()
-    values |= {*cycle_signals(job), *(bit.member for _, bit in job.shown_bits)}
+    values |= {*cycle_signals(job), *(one.member for _, one in job.shown)}
     values |= {path.partition("[")[0] for path in message_lists.paths(job)}
     wanted = {name for name in SIGNALS if name not in flags} | values
     prefix = f"{job.member}."

@@ -8,6 +8,7 @@ from plcgen.ds47.proof.clock_input import Times
 from plcgen.ds47.proof.contents import held, written
 from plcgen.ds47.proof.cycles import SLOW, Repeats, slow_scan
 from plcgen.ds47.proof.end import check_end, check_errors, check_refused
+from plcgen.ds47.proof.forms import Came, check_formats, check_forms
 from plcgen.ds47.proof.message_lists import Messages, fill
 from plcgen.ds47.proof.pace import Pace
 from plcgen.ds47.proof.poll_results import AnotherSave, check_saved
@@ -211,9 +212,10 @@ class JobConduct:
         rig, telegram = self.rig, self.rig.telegram
         if run.scenario.guarded:
             self.untouched.check()
-        for word, bit in rig.job.shown_bits:  # an output is 0 before the first answer, and so are its bits
-            if rig.db.flag(bit.member) != bool(rig.db.get(word.member) >> (bit.bit or 0) & 1):
+        for word, bit in rig.job.shown:  # an output is 0 before the first answer, and so are its bits
+            if bit.bit is not None and rig.db.flag(bit.member) != bool(rig.db.get(word.member) >> bit.bit & 1):
                 raise ScenarioError(f"{bit.member} is not bit {bit.bit} of {word.member}")
+        check_forms(rig)
         if self.times is not None:
             self.times.observe(telegram, busy=run.seen[0])
         if rig.takes_over():
@@ -262,7 +264,7 @@ class JobConduct:
         at = rig.unit.spots["expected"].byte
         for position, part in enumerate(asked.parts):
             word = bytes(rig.unit.memory[at + 4 * position : at + 4 * position + 4])
-            right = bytes((part.use.format.code, part.count, 0, part.size))
+            right = bytes((0 if part.use.untyped else part.use.format.code, part.count, 0, part.size))
             if word != right:
                 shown = f"16#{word.hex().upper()}, not 16#{right.hex().upper()}"
                 raise ScenarioError(f"what is expected of {part.use.label} in telegram {telegram} is {shown}")
@@ -293,6 +295,8 @@ class JobConduct:
         if restoration is not None:
             restoration.check(run.scenario, status, self.rig.db.get(CAUSE))
         check_end(self.rig, run.scenario, self.requests, before, wanted, status, self.polled, restoration)
+        if status == DONE and run.scenario.checked:
+            check_formats(self.rig, run.scenario.of(Came))
         if self.rig.job.recipe is not None and self.rig.job.writes and run.scenario.checked:
             check_refused(self.rig, run.scenario, status)
         if self.rig.job.poll is not None:

@@ -174,7 +174,9 @@ def told(telegram: DriveTelegram, answer: bytes) -> list[tuple[int, bytes]]:
         fmt, count = find(answer[at]), answer[at + 1]
         size = 2 * count if answer[at] == ERROR else fmt.size * count if fmt is not None else 0
         fits = fmt is not None and count == part.count and size == part.size
-        if fits and answer[at] in {part.use.format.code, {1: 0x41, 2: 0x42, 4: 0x43}.get(part.use.format.size)}:
+        if part.use.untyped and fmt is not None and fmt.writable and count == 1:
+            found.append((place, answer[at + 2 : at + 2 + size].ljust(part.size, b"\0")))
+        elif fits and answer[at] in {part.use.format.code, {1: 0x41, 2: 0x42, 4: 0x43}.get(part.use.format.size)}:
             found.append((place, answer[at + 2 : at + 2 + size]))
         at += 2 + padded(size)
     return found if at == len(answer) else []

@@ -9,7 +9,6 @@ from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DrivePlan, PlannedDrive
 from plcgen.ds47.proof.published import Form
 from plcgen.ds47.references import number_of
-from plcgen.ds47.wire import formats
 from plcgen.oracles.documents import device
 from plcgen.proof.ledger import Assumption, Grade
 
@@ -104,7 +103,7 @@ def _drive(plan: DrivePlan, drive: PlannedDrive) -> Iterator[Assumption]:
         known = drive.device.find(parameter.pnu, drive.object_type)
         typed = known is not None and bool(known.type)
         facts: tuple[tuple[Fact, str, bool], ...] = (
-            ("type", use.format.name, defined is not None or not typed),
+            ("type", "" if use.untyped else use.format.name, defined is not None or not (typed or parameter.source)),
             ("min", limit_text(parameter.minimum), defined is not None and defined.min is not None),
             ("max", limit_text(parameter.maximum), defined is not None and defined.max is not None),
         )
@@ -120,4 +119,4 @@ def _form(form: Form) -> Assumption:
     known = form.telegrams()
     if known:
         return Assumption(str(form), "published telegram", "; ".join(one.source for one in known), Grade.MANUAL)
-    return Assumption(str(form), "format and size", formats.by_name(form.type).source, Grade.SECOND)
+    return Assumption(str(form), "format and size", form.source, Grade.SECOND)

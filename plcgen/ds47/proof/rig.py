@@ -79,7 +79,7 @@ class JobRig:
         paths += [f"job.{CAUSE}"] if job.restores else []
         paths += [f"job.{name}" for name in recipe_signals(job)]
         paths += [f"job.{name}" for name in (*cycle_signals(job), *([SINCE] if job.cycle else []))]
-        paths += [f"job.{bit.member}" for _, bit in job.shown_bits]
+        paths += [f"job.{one.member}" for _, one in job.shown]
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
         paths = [f"jobDiagnosis.{name}" for name in DIAGNOSIS]
         self.diagnosis = Members(self.cpu, program, self.db.block, paths, "jobDiagnosis.")

@@ -205,6 +205,8 @@ def _blocks(job: DriveJob, longest: int) -> Iterator[DriveScenario]:
 def _wrong_blocks(part: Part) -> list[tuple[int, int]]:
     """Types and numbers of values that were not asked for: of the same and of another size, one more, one less."""
     own: Format = part.use.format
+    if part.use.untyped:  # any type is right, but for several values or none
+        return [(formats.FLOATING_POINT, 2), (formats.WORD, 2), (formats.ZERO, 0)]
     accepted = {*formats.answers(own), *_generic(own)}
     same = [f.code for f in formats.FORMATS if f.writable and f.size == own.size and f.code not in accepted]
     other = [f.code for f in formats.FORMATS if f.writable and f.size != own.size]

@@ -143,7 +143,8 @@ def _types(
 ) -> Iterator[Diagnostic]:
     """A type of the profile that documents contradict is an error, one of the user's own a warning."""
     for drive, use in uses:
-        against = (one for one in documented.get(use.parameter.pnu, ()) if one.type != use.format.name)
+        said = () if use.untyped else documented.get(use.parameter.pnu, ())
+        against = (one for one in said if one.type != use.format.name)
         found = next(against, None)
         if found is not None:
             severity = Severity.ERROR if _of_profile(drive, use) else Severity.WARNING

@@ -133,8 +133,8 @@ def job_signals(cpu: Cpu, job: DriveJob, units: UnitWatch) -> Iterator[Observed]
         name = f"{use.member}_value" if use.member in _OWN else use.member
         path = f"{own}.{value_path(job, use)}"
         yield signal(cpu, job.key, name, path, unit=use.parameter.unit or "", listed=use in job.outputs)
-    for _, bit in job.shown_bits:
-        yield signal(cpu, job.key, bit.member, f"{own}.{bit.member}", listed=True)
+    for _, one in job.shown:
+        yield signal(cpu, job.key, one.member, f"{own}.{one.member}", listed=True)
 
 
 def _while_held(cpu: Cpu, path: str, units: UnitWatch, job: DriveJob) -> Callable[[], Value]:

@@ -45,5 +45,5 @@ RULES = Rules(
     untranslated=names.untranslated,
     taken=names.taken,
     partners=names.partners,
-    remarks=(inputs.left_open, drives.no_records_of_a_processor),
+    remarks=(inputs.left_open, parameters.untyped, drives.no_records_of_a_processor),
 )

@@ -52,7 +52,7 @@ def interface_members(plan: DrivePlan) -> Iterator[Diagnostic]:
     for job in plan.shapes:
         own = always.union(*(part.members for part in parts_of(job)))
         first: dict[str, Use] = {}
-        uses = (one for use in job.uses for one in (*(use.bits or (use,)), *use.read_bits))
+        uses = (one for use in job.uses for one in (*(use.bits or (use,)), *use.shown))
         for use in uses:
             span = member_span(plan, use)
             if use.member.lower() in own or _PREFIXED.match(use.member):

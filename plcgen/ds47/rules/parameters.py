@@ -9,6 +9,7 @@ from plcgen.base.diagnostics import Diagnostic, Note, Severity
 from plcgen.ds47 import guards
 from plcgen.ds47.plan.access import Compare, Remember, Use, Verify, Write
 from plcgen.ds47.plan.types import element_type
+from plcgen.ds47.plan.untyped import of_siblings
 from plcgen.ds47.references import number_of
 from plcgen.ds47.rules.places import of_drive, on_any_drive, parameter_span
 
@@ -138,7 +139,7 @@ def only_bytes(plan: DrivePlan) -> Iterator[Diagnostic]:
     family = plan.target.family.upper()
     for job in plan.shapes:
         for use in job.uses:
-            if element_type(use.format, plan.target) is not None:
+            if use.untyped or element_type(use.format, plan.target) is not None:
                 continue
             size = use.count * use.format.size
             if use.format.name in _OPAQUE:
@@ -157,23 +158,49 @@ def only_bytes(plan: DrivePlan) -> Iterator[Diagnostic]:
 def unknown_types(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG228: nobody has looked up of which type a parameter is; a wrong one is refused, or read as another value."""
     told = set()
-    for job, use, _ in on_any_drive(plan, partial(_recalled, plan)):
+    for job, use, how in on_any_drive(plan, partial(_not_looked_up, plan)):
         known = (job.drive.device.key, use.parameter.pnu)
         if known not in told:
             told.add(known)
             what = f"{use.label}{of_drive(plan, job)} is {use.format.name}"
             yield Diagnostic(
                 "PG228",
-                f"{what} from general knowledge: nobody has looked it up",
+                f"{what} {how}: nobody has looked it up",
                 parameter_span(plan, use),
                 Severity.WARNING,
                 help=f"look it up, then define it in the drive: parameters: {{P{use.parameter.pnu}: {{type: ..}}}}",
             )
 
 
-def _recalled(plan: DrivePlan, job: DriveJob, use: Use) -> bool:
-    recalled = use.parameter.grades.get("type") == "recalled"
-    return recalled and use.parameter.pnu not in plan.own_numbers(job.drive)
+def _not_looked_up(plan: DrivePlan, job: DriveJob, use: Use) -> str:
+    """Where a type comes from that is from memory, or that of other devices; empty if somebody has looked it up."""
+    drive, known = job.drive, use.parameter
+    if known.pnu in plan.own_numbers(drive):
+        return ""
+    if known.grades.get("type") == "recalled":
+        return "from general knowledge"
+    listed = drive.device.find(known.pnu, drive.object_type)
+    lent = known.grades.get("type") == "inferred" and (listed is None or not listed.type)
+    return f"as in {known.source}" if lent else ""
+
+
+def untyped(plan: DrivePlan) -> Iterator[Diagnostic]:
+    """PG267: a parameter is read whose type nobody knows: outputs of their own say what the drive answers."""
+    for job in plan.shapes:
+        for use in job.uses:
+            if not use.untyped:
+                continue
+            device = job.drive.device
+            said = of_siblings(device, use.parameter.pnu)
+            others = "; ".join(f"{type_} in {rows[0].source}" for type_, rows in said.items())
+            shown = ", ".join(one.member for one in use.shown)
+            yield Diagnostic(
+                "PG267",
+                f"nobody knows the type of {use.label} of {device.key}: the answer tells it, in {shown}",
+                parameter_span(plan, use),
+                Severity.NOTE,
+                help=f"a type gives one output instead: {{type: ..}}{f' ({others})' if others else ''}",
+            )
 
 
 def definitions(plan: DrivePlan) -> Iterator[Diagnostic]:

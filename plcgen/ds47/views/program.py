@@ -332,7 +332,7 @@ def _block(index: int, part: Part) -> dict[str, Any]:
         "index": index,
         "label": part.use.label if part.whole else f"{part.use.label} from index {part.subindex}",
         "use": part.use.position,
-        "expected": f"DW#16#{part.use.format.code:02X}{part.count:02X}00{part.size:02X}",
+        "expected": f"DW#16#{0 if part.use.untyped else part.use.format.code:02X}{part.count:02X}00{part.size:02X}",
     }
 
 

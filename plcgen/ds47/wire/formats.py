@@ -132,6 +132,8 @@ FORMATS: tuple[Format, ...] = (
     Format(0x44, "Error", 2, FormatKind.ERROR, _TABLE_4_3),
 )
 
+FROM_ANSWER = Format(0x38, "Any", 8, FormatKind.OPAQUE, "docs/spec.md: a read without a type")
+"""What stands for a type that only the answer tells: room for 8 bytes, which a simulated drive fills as Unsigned64."""
 
 _OLDER = 0x50
 """So much lower are the older codes of 71h to 7Ch."""

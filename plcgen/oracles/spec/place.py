@@ -25,13 +25,15 @@ class SpecSource:
     """A spec with its includes and variables resolved: ``data`` is plain, ``place`` says where a value stands.
 
     ``profiles`` are device profiles as plain mappings, by what a spec calls them, with those that they are ``like``;
-    ``lists`` are the lines of the lists of parameters that they name.
+    ``lists`` are the lines of the lists of parameters that they name; ``family`` has all profiles that are shipped of
+    the family of a device.
     """
 
     data: Mapping[str, Any]
     place: Callable[[Keys], SpecPlace]
     profiles: Mapping[str, Mapping[str, Any]]
     lists: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    family: Callable[[str], SpecSource] | None = None
 
 
 def texts(given: Any) -> frozenset[str]:

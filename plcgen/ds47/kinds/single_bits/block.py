@@ -13,8 +13,14 @@ from plcgen.ds47.views.rows import interface_row
 
 def bit_values(plan: DrivePlan, job: DriveJob) -> Iterator[CallerValue]:
     """The bits, behind the words that they belong to."""
-    for _, bit in job.shown_bits:
-        yield CallerValue(interface_row(plan, bit, start=False), (("", "Bool"),))
+    for _, bit in job.shown:
+        if bit.bit is not None:
+            yield CallerValue(interface_row(plan, bit, start=False), (("", "Bool"),))
+
+
+def shows_bits(job: DriveJob) -> bool:
+    """Whether a bit is an output of its own."""
+    return any(one.bit is not None for _, one in job.shown)
 
 
 def _telegram(_: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> list[dict[str, Any]]:
@@ -24,8 +30,10 @@ def _telegram(_: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> list[dict
         if field.role != "value" or field.part is None:
             continue
         use = field.part.use
-        for bit in use.read_bits:
-            number = bit.bit or 0
+        for bit in use.shown:
+            number = bit.bit
+            if number is None:
+                continue
             octet = field.offset + use.format.size - 1 - number // 8
             found.append(
                 {
@@ -42,7 +50,7 @@ PARTS = (
     BlockParts(
         name="shown_bits",
         precedence=8,
-        has=lambda job: bool(job.shown_bits),
+        has=shows_bits,
         template="plcgen.ds47.kinds.single_bits:parts.scl.j2",
         view=lambda *_: True,
         telegram=_telegram,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from plcgen.ds47.kinds.single_bits.block import shows_bits
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.points import replaced_values
 from plcgen.ds47.proof.scenario import DriveScenario, KindScenarios
@@ -14,7 +15,7 @@ def single_bits(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     for telegram in job.telegrams:
         for place, part in enumerate(telegram.parts, 1):
             whole = (1 << 8 * part.size) - 1
-            for bit in part.use.read_bits:
+            for bit in (one for one in part.use.shown if one.bit is not None):
                 alone = 1 << (bit.bit or 0)
                 for how, word in (("set", alone), ("not set", whole ^ alone)):
                     data = word.to_bytes(part.size)
@@ -27,4 +28,4 @@ def single_bits(job: DriveJob, _: int) -> Iterator[DriveScenario]:
                     )
 
 
-SCENARIOS = (KindScenarios(6, lambda job: bool(job.shown_bits), single_bits),)
+SCENARIOS = (KindScenarios(6, shows_bits, single_bits),)

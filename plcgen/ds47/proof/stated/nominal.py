@@ -17,7 +17,7 @@ from plcgen.ds47.proof.stated.supply import MOMENTS, Supply, Unique, two_valued
 from plcgen.oracles.spec.ds47.boundaries import Answer, failing, meeting, nearest
 from plcgen.oracles.spec.ds47.course import Difference, StatedCourse, value_bytes
 from plcgen.oracles.spec.ds47.statement import FromInput, Number, Source, StatedAccess, StatedJob, StatedStep
-from plcgen.oracles.spec.ds47.types import packed, unpacked
+from plcgen.oracles.spec.ds47.types import ANY, packed, unpacked
 
 RUNS_BITS = 0x0804
 """Bits 2 and 11 of r0899: the drive runs."""
@@ -151,6 +151,10 @@ def fill_device(rig: StatedRig, job: StatedJob, unique: Unique) -> None:
     owner = job.drive.drive_object
     for step in job.steps:
         for access in step.accesses:
+            if access.type == ANY:
+                type_ = rig.units[job.drive.unit].types[owner, access.number]
+                values[owner, access.number, access.index] = packed(type_, unique.number(type_))
+                continue
             for at in range(access.count):
                 number = 0x41 + at if access.string else unique.number(access.type)
                 if access.number == STATE:

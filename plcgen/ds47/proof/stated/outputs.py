@@ -10,7 +10,7 @@ from plcgen.ds47.proof.stated.rig import StatedRig
 from plcgen.ds47.proof.stated.supply import BIT_STRINGS, declared, flat, octets_only
 from plcgen.oracles.spec.ds47.course import Difference, StatedCourse, value_bytes
 from plcgen.oracles.spec.ds47.statement import FromRecord, Number, StatedAccess, StatedJob, StatedList
-from plcgen.oracles.spec.ds47.types import packed, unpacked
+from plcgen.oracles.spec.ds47.types import ANY, ROOM, code_of, packed, unpacked
 
 GROUP, PLACES = 8, 32
 REAL = struct.Struct(">f")
@@ -41,7 +41,10 @@ def output_differences(rig: StatedRig, job: StatedJob, course: StatedCourse) -> 
     for step_number, step in enumerate(course.steps):
         for number, access in enumerate(step.accesses):
             data = course.answer(step_number, number)
-            if access.output and not access.write and all(data):
+            if access.type == ANY and access.output and data[0]:
+                type_ = rig.answered_type(job, access)
+                yield from _untyped(rig, f"{rig.member(job)}.{access.output}", access, type_, data[0])
+            elif access.output and not access.write and all(data):
                 yield from _output(rig, f"{rig.member(job)}.{access.output}", access, data)
             for bit, name in access.shown if all(data) else ():
                 path, wanted = f"{rig.member(job)}.{name}", bool(int.from_bytes(data[0]) >> bit & 1)
@@ -57,6 +60,22 @@ def _output(rig: StatedRig, path: str, access: StatedAccess, data: list[bytes]) 
         return
     if found != wanted:
         yield Difference(access.place, f"{path} = {few_shown(wanted)}", few_shown(found))
+
+
+def _untyped(rig: StatedRig, path: str, access: StatedAccess, type_: str, data: bytes) -> Iterator[Difference]:
+    """A value whose type only the answer tells: octets, format, and the number as DINT and as REAL."""
+    number = unpacked(type_, data)
+    whole = int.from_bytes(data) if type_ in {"FloatingPoint", "DoubleWord"} else int(number)
+    dint = 0 if len(data) > REAL.size else (whole + (1 << 31)) % (1 << 32) - (1 << 31)
+    wanted = {"": list(data.ljust(ROOM, b"\0")), "Format": code_of(type_), "Dint": dint}
+    for name, value in wanted.items():
+        found = list(flat(rig.cpu[path])) if not name else rig.cpu[f"{path}{name}"]
+        if found != value:
+            yield Difference(access.place, f"{path}{name} = {value} of {type_}", f"{found}")
+    real = data if type_ in {"FloatingPoint", "DoubleWord"} else REAL.pack(dint)
+    shown = REAL.pack(rig.cpu[f"{path}Real"])
+    if shown != real:
+        yield Difference(access.place, f"{path}Real as {real.hex(' ')} of {type_}", shown.hex(" "))
 
 
 def few_shown(values: list[Number | str]) -> str:

@@ -7,9 +7,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from plcgen.oracles.profidrive import SUBSTITUTES, TYPES
 from plcgen.oracles.spec.ds47.course import OUTPUTS_ONLY, Difference, StatedCourse
 from plcgen.oracles.spec.ds47.recorder import HeardTelegram, RecordingDevice
-from plcgen.oracles.spec.ds47.statement import StatedDrive, StatedJob, Statement
+from plcgen.oracles.spec.ds47.statement import StatedAccess, StatedDrive, StatedJob, Statement
+from plcgen.oracles.spec.ds47.types import ANY, size_of
 from plcgen.proof.rig import layout_of
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.program import Program
@@ -31,6 +33,8 @@ SPARE_MS = 30_000
 PLACES = 4
 """So many record jobs run at once in the smallest CPU: when times are measured, nobody waits for a place."""
 DONE = 0
+ANSWERS = sorted(set(TYPES) - {"VisibleString", "OctetString"})
+"""Types of values of which only the answer tells one: the number of the parameter chooses."""
 
 
 class RecordLine(Periphery):
@@ -152,11 +156,19 @@ class StatedRig:
         for job in self.statement.jobs:
             for step in job.steps:
                 for access in step.accesses:
-                    self.units[job.drive.unit].types[job.drive.drive_object, access.number] = access.type
+                    type_ = ANSWERS[access.number % len(ANSWERS)] if access.type == ANY else access.type
+                    self.units[job.drive.unit].types[job.drive.drive_object, access.number] = type_
 
     def _stray(self, identifier: int) -> RecordServer:
         self.strays.append(identifier)
         return _Port(self.stray, identifier, {}, local=False)
+
+    def answered_type(self, job: StatedJob, access: StatedAccess) -> str:
+        """What the device answers, which says the size alone if it answers so."""
+        device = self.units[job.drive.unit]
+        type_ = device.types[job.drive.drive_object, access.number]
+        code = SUBSTITUTES.get(size_of(type_)) if device.by_size else None
+        return next((name for name, (known, _) in TYPES.items() if known == code), type_)
 
     # --- where a job is commanded ---------------------------------------------------------------------
 

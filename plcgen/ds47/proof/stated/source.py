@@ -31,8 +31,18 @@ def spec_source(loaded: LoadedSpec) -> SpecSource:
         return SpecPlace(span.file, span.line, span.column)
 
     profiles = dict(_profiles(data, Path(loaded.file).parent))
+
+    def family(device: str) -> SpecSource:
+        names = [file.stem for file in (specs_dir() / "devices").glob(f"{device.partition('-')[0]}-*.yaml")]
+        every = dict(_with_lenders(names, Path()))
+        return SpecSource(data, place, every, _lists(every))
+
+    return SpecSource(data, place, profiles, _lists(profiles), family)
+
+
+def _lists(profiles: Mapping[str, Mapping[str, Any]]) -> Mapping[str, Sequence[str]]:
     named = {str(one["list"]) for profile in profiles.values() for one in profile.get("lists") or ()}
-    return SpecSource(data, place, profiles, {name: _lines(name) for name in named})
+    return {name: _lines(name) for name in named}
 
 
 @lru_cache(maxsize=16)
@@ -56,7 +66,11 @@ def kinds_of_others() -> Mapping[str, StatesKind]:
 def _profiles(data: Mapping[str, Any], folder: Path) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """Every profile that the spec names, with those that it is ``like``."""
     entries = [*(data.get("drives") or {}).values(), *(data.get("units") or {}).values()]
-    asked = [str(entry["device"]) for entry in entries if entry and "device" in entry]
+    yield from _with_lenders([str(entry["device"]) for entry in entries if entry and "device" in entry], folder)
+
+
+def _with_lenders(asked: list[str], folder: Path) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Profiles, with those that they are ``like``."""
     known: set[str] = set()
     while asked:
         name = asked.pop()

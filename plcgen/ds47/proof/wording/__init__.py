@@ -13,7 +13,7 @@ from types import MappingProxyType
 
 from plcgen.base.diagnostics import Diagnostic
 from plcgen.ds47.kind import Poll, Wait
-from plcgen.ds47.plan.access import Column, Compare, Mask, Recount, Remember, Use, Verify, Write
+from plcgen.ds47.plan.access import Column, Compare, Form, Mask, Recount, Remember, Use, Verify, Write
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.ds47.proof.wording import guide
 from plcgen.ds47.proof.wording.grounds import Stated, groundless, stated_of
@@ -145,9 +145,10 @@ class DriveWording:
         for use in job.uses if not job.whole or job.deviations is not None or job.recipe is not None else ():
             if use.member == name:
                 found |= value_texts(use, called[use.position])
-            for bit in (*use.bits, *use.read_bits):
+            for bit in (*use.bits, *use.shown):
                 if bit.member == name:
-                    found |= value_texts(bit, bit_label(use, bit, called[use.position]))
+                    label = called[use.position] if bit.as_(Form) else bit_label(use, bit, called[use.position])
+                    found |= value_texts(bit, label)
         features, figures = _features(job), {"records": job.recipe.count if job.recipe else 0, "cycle": job.cycle}
         found |= _sentence(role, name, features, figures) | _sentence("delivered", name, features, figures)
         return frozenset(found - {""} or found)
@@ -368,7 +369,12 @@ class DriveWording:
         name = block.name.upper()
         number = {"REAL": "FloatingPoint", "LREAL": "FloatingPoint", "BOOL": "Bool", "TIME": "Time"}.get(type_, "")
         if name in self.controls:
-            own = {"status": "Hex", "cause": "HEX", "diagnosis": "Hex"}.get(path[1])
+            formats = {
+                one.member: "HEX"
+                for job in self.plan.jobs if job.member == path[0]
+                for _, one in job.shown if one.as_(Form) == Form("format")
+            }  # fmt: skip
+            own = {"status": "Hex", "cause": "HEX", "diagnosis": "Hex", **formats}.get(path[1])
             return Shown(own or number or "DEC", "TRUE" if path[1:] == ["execute"] else "")
         if name not in self.buffers or block.kind is not BlockKind.DB:
             return None

@@ -10,7 +10,7 @@ from typing import Any
 from plcgen.oracles.spec.ds47.drives import KnownDrive
 from plcgen.oracles.spec.ds47.parameters import WrittenParameter
 from plcgen.oracles.spec.ds47.statement import Source, StatedAccess
-from plcgen.oracles.spec.ds47.types import size_of, string_octets
+from plcgen.oracles.spec.ds47.types import ANY, size_of, string_octets
 from plcgen.oracles.spec.ds47.values import sources_of
 from plcgen.oracles.spec.place import Keys, NotStatedError, SpecPlace, SpecSource, texts
 
@@ -48,10 +48,19 @@ class JobReader:
             node = node[step]
         return list(items(node, self.source, (*self.way, *below)))
 
-    def parameter(self, item: SpecItem) -> WrittenParameter:
-        """The parameter of an item, with the type that the item gives it."""
+    def parameter(self, item: SpecItem, *, free: bool = False) -> WrittenParameter:
+        """The parameter of an item, with the type that the item gives it, or other devices of the family.
+
+        ``free``: a single value that is read needs none, the answer tells it.
+        """
         found = self.drive.catalogue.read(item.text)
         type_ = item.settings.get("type")
+        if not type_ and found.facts.get("type", "unknown") == "unknown":
+            if free and found.count == 1:
+                letter = "r" if item.text.strip()[:1] in "rR" else found.facts.get("letter", "P")
+                return replace(found, facts={**found.facts, "type": ANY, "letter": letter})
+            known = {name: value for name, value in found.facts.items() if value and name != "type"}
+            return replace(found, facts={**self.drive.catalogue.lent(found.number), **known})
         return replace(found, facts={**found.facts, "type": type_}) if type_ else found
 
     def name(self, item: SpecItem, parameter: WrittenParameter) -> str:
@@ -61,9 +70,9 @@ class JobReader:
         single = parameter.indexed and parameter.count == 1
         return camel(parameter.name) + (f"Index{parameter.first}" if single else "")
 
-    def reads(self, item: SpecItem, output: str | None = None) -> StatedAccess:
-        """The item is read."""
-        parameter = self.parameter(item)
+    def reads(self, item: SpecItem, output: str | None = None, *, free: bool = False) -> StatedAccess:
+        """The item is read; ``free``: it may have no type."""
+        parameter = self.parameter(item, free=free)
         name = self.name(item, parameter) if output is None else output
         return self.access(item, parameter, write=False, output=name)
 

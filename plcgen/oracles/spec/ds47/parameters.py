@@ -79,6 +79,8 @@ class StatedCatalogue:
             known = self.numbers.setdefault(number, self._lists.facts(number, defined=True))
             letter = _letter(str(key), facts or {}, known)
             known.update({name: value for name, value in (facts or {}).items() if value is not None}, letter=letter)
+        self._device, self._source = str(profiles[device].get("like") or device), source
+        self._own_key = device
         self.names = {facts["name"]: number for number, facts in self.numbers.items() if facts.get("name")}
 
     def has(self, number: int) -> bool:
@@ -92,6 +94,22 @@ class StatedCatalogue:
     def bit_name(self, number: int, bit: int) -> str:
         """What the lists call a bit, in snake_case; empty if they do not."""
         return self._lists.bit_name(number, bit)
+
+    def lent(self, number: int) -> Facts:
+        """What other devices of the family say of a number of which this one's catalogue has no type, if all that do
+        give one type; nothing from memory counts.
+        """
+        if self._source.family is None:
+            return {}
+        family = self._source.family(self._device)
+        start = f"{self._device.partition('-')[0]}-"
+        others = (name for name in sorted(family.profiles) if name.startswith(start) and name != self._own_key)
+        found = [one for name in others if (one := _of_device(name, family, number))]
+        if len({one["type"] for one in found}) != 1:
+            return {}
+        letter = "r" if any(one.get("letter") == "r" for one in found) else "P"
+        bico = all(one.get("bico") for one in found)
+        return {**{key: found[0].get(key) for key in ("type", "title", "unit")}, "letter": letter, "bico": bico}
 
     def read(self, text: str) -> WrittenParameter:
         """A parameter as it is written in a spec."""
@@ -108,6 +126,20 @@ class StatedCatalogue:
         bit = int(match["bit"]) if match["bit"] else None
         known = self.numbers.get(number) or self._lists.facts(number) or {"letter": "r" if number in DISPLAYS else "P"}
         return WrittenParameter(text, number, first, count, indexed, bit, known)
+
+
+def _of_device(name: str, family: SpecSource, number: int) -> Facts:
+    """What a device says of a number, of its usual drive object or any; nothing without a type that was looked up."""
+    profile = family.profiles[name]
+    others = str((profile.get("object_types") or {}).get("others", ""))
+    if number in map(_number, map(str, profile.get("absent") or ())):
+        return {}
+    for object_type in dict.fromkeys((others, "")):
+        facts = StatedCatalogue(name, family, {}, object_type).read(f"P{number}").facts
+        grade = (facts.get("facts") or {}).get("type", facts.get("grade", "read"))
+        if facts.get("type", "unknown") != "unknown" and grade != "recalled":
+            return facts
+    return {}
 
 
 def _number(key: str) -> int:

@@ -10,6 +10,9 @@ from plcgen.oracles.spec.place import NotStatedError
 
 OCTETS = {"BinaryDate": (0x32, 7), "TimeOfDay": (0x0C, 6), "TimeDifferenceWithDate": (0x35, 6)}
 """Types that no CPU has as a number: docs/spec.md, "Parameters"; OPC 30144 B.2."""
+ANY, ROOM = "Any", 8
+"""A type that only the answer tells, and the octets that are kept of its value (docs/spec.md, "Parameters")."""
+OCTETS[ANY] = (0x38, ROOM)  # what the device has that fills all of them: Unsigned64
 STRING = re.compile(r"(VisibleString|OctetString)\[(\d+)\]")
 SHORT = {"Float": "FloatingPoint"}
 

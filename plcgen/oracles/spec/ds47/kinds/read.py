@@ -22,11 +22,11 @@ def read_steps(job: JobReader) -> Iterator[StatedStep]:
     found: dict[tuple[int, int], StatedAccess] = {}
     words: set[tuple[int, int]] = set()
     for item in chain.from_iterable(named(job, one) for one in job.items("read")):
-        parameter = job.parameter(item)
+        parameter = job.drive.catalogue.read(item.text)
         key = parameter.number, parameter.first
         if parameter.bit is None:
             shown = found[key].shown if key in words else ()
-            found[key] = replace(job.reads(item), shown=shown)
+            found[key] = replace(job.reads(item, free=not shown), shown=shown)
             continue
         if key not in found:
             words.add(key)

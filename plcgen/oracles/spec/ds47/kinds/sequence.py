@@ -30,7 +30,7 @@ def sequence_steps(job: JobReader) -> Iterator[StatedStep]:
             yield _waiting(job, step["until"], number)
         elif "read" in step:
             items = job.items(*below, "read")
-            read = tuple(_named(job.reads(item), number, taken) for item in items)
+            read = tuple(_named(job.reads(item, free=True), number, taken) for item in items)
             yield StatedStep("reads", read, number=number)
         else:
             found = accesses(job, job.items(*below, "write"))
