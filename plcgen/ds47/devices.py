@@ -180,10 +180,16 @@ def find_device(name: str) -> Device:
     return found
 
 
+_APART = frozenset({"sinamics-dcm", "sinamics-dcp"})
+"""Converters for direct current: a number that they lack may mean something else in drives of three-phase motors."""
+
+
 def sibling_devices(device: Device) -> list[Device]:
     """The other shipped devices of the manufacturer's family that a device belongs to, or that it is like."""
-    family = (device.like or device.key).partition("-")[0]
-    return [_shipped_device(name) for name in _shipped() if name.startswith(f"{family}-") and name != device.key]
+    own = device.like or device.key
+    family = f"{own.partition('-')[0]}-"
+    names = [name for name in _shipped() if name.startswith(family) and name != device.key and name not in _APART]
+    return [] if own in _APART or device.key in _APART else [_shipped_device(name) for name in names]
 
 
 def named_parameters(profiles: Iterable[str] = ()) -> dict[str, list[Parameter]]:

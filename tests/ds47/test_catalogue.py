@@ -76,7 +76,7 @@ def test_start_values_of_inputs(acme: Path, parameter: str, start: int) -> None:
 
 def test_a_type_that_nobody_knows_comes_from_the_job(acme: Path) -> None:
     """Without one it is an error that names the source."""
-    (told,) = check(acme.parent, "read: [P5]").diagnostics
+    (told,) = check(acme.parent, "compare: {P5: 1}").diagnostics
     assert (told.code, told.message) == (
         "PG204",
         "P5 (Nobody knows) is in the catalogue without its data type: Acme manual",

@@ -282,7 +282,7 @@ def test_what_a_whole_list_lacks_is_known_to_be_absent(tmp_path: Path, device: s
 
 def test_where_no_list_is_whole_a_number_stays_unknown(tmp_path: Path) -> None:
     """An axis of an S120 may be a SERVO; a definition in the spec says that a drive has a number all the same."""
-    assert [one[1] for one in _checked(tmp_path, "sinamics-s120", "read: [P4999]")] == ["PG204"]
+    assert [one[1] for one in _checked(tmp_path, "sinamics-s120", "compare: {P4999: 1}")] == ["PG204"]
     own = ", parameters: {P971: {type: Unsigned16}}"
     assert [one for one in _checked(tmp_path, "sinamics-g220", "read: [P971]", own) if one[0] == "ERROR"] == []
 

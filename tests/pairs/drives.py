@@ -18,9 +18,9 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
         "sinamics-s150", "sinamics-s210", "sinamics-v90", "./acme.yaml", "./alike.yaml",
     ),
     "kind": (
-        "read", "shown", "main_values", "write", "input", "bits", "readback", "saved", "restore", "save", "faults",
-        "alarms", "acknowledge", "compare", "steps", "until", "activate", "clock", "write_recipe", "read_recipe",
-        "compare_recipe",
+        "read", "shown", "untyped", "main_values", "write", "input", "bits", "readback", "saved", "restore", "save",
+        "faults", "alarms", "acknowledge", "compare", "steps", "until", "activate", "clock", "write_recipe",
+        "read_recipe", "compare_recipe",
     ),
     "type": (
         "Boolean", "Integer8", "Integer16", "Integer32", "Integer64", "Unsigned8", "Unsigned16", "Unsigned32",
@@ -90,6 +90,7 @@ def _kind(kind: str, parameter: str, value: Any) -> dict[str, Any]:
     return {
         "read": {"read": [parameter, {"parameter": "P42990", "as": "x"}]},
         "shown": {"read": [parameter, "P42980.0", {"parameter": "P42980.15", "as": "x"}]},
+        "untyped": {"read": ["r42970", parameter, {"parameter": "r42971[2]", "as": "x"}]},
         "main_values": {"read": ["main_values", {"parameter": "P42990", "as": "x"}]},
         "write": {"write": several},
         "input": {"write": {parameter: None, "P42990": {"as": "ramp", "start": 2.0}}},

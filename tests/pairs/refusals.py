@@ -15,12 +15,14 @@ TIMES = ("BinaryDate", "TimeOfDay")
 G120 = "sinamics-g110m", "sinamics-g115d", "sinamics-g120", "sinamics-g120c", "sinamics-g120x"
 SMALL = ("micromaster-4", *G120, "sinamics-v90")
 """Devices of one drive object."""
+WHOLE = ("sinamics-g130", "sinamics-g150", "sinamics-s150", "sinamics-s210")
+"""Devices whose lists were read whole: they lack any number that is in none."""
 RECIPES = ("write_recipe", "read_recipe", "compare_recipe")
 LISTS = (
     "bits", "readback", "saved", "restore", "save", "faults", "alarms", "acknowledge", "compare", "steps", "until",
-    "activate", "clock", *RECIPES,
+    "activate", "clock", "untyped", *RECIPES,
 )  # fmt: skip
-"""Kinds of more than one telegram, or that deliver a list."""
+"""Kinds of more than one telegram, or that deliver a list, or whose answers have no fixed places."""
 WRITERS = (
     "write", "input", "bits", "readback", "saved", "restore", "save", "acknowledge", "steps", "until", "activate",
     "clock", "write_recipe", "read_recipe",
@@ -50,6 +52,7 @@ DRIVES: tuple[Refusal, ...] = (
     ((OWN, ("kind", ("input",)), ("type", ("Float64",)), ("family", ("s7-1200", "s7-1500"))), "PG223"),
     ((OWN, ("kind", ("input",)), ("type", ("Integer64", "Unsigned64")), ("family", ("s7-1500",))), "PG223"),
     ((("kind", WRITERS), ("cycle", ("100ms", "1s", "1h"))), "PG264"),
+    ((("kind", ("untyped",)), ("device", WHOLE)), "PG262"),
     ((("kind", ("main_values",)), ("device", ("profidrive", "sinamics-dcp", "./acme.yaml"))), "PG248"),
     ((("kind", ("faults", "alarms", "acknowledge", "activate", "clock")), ("device", ("./acme.yaml",))), "PG248"),
     ((("kind", ("faults",)), ("device", ("micromaster-4", "profidrive", "sinamics-dcp"))), "PG248"),

@@ -75,6 +75,8 @@ def check_formats(rig: JobRig, came: Came) -> None:
 def _check(rig: JobRig, use: Use) -> None:
     names = {form.name: one.member for one in use.shown if (form := one.as_(Form))}
     octets, code = rig.db.bytes(use.member, ROOM), rig.db.bytes(names["format"], 1)[0]
+    if code and code not in FORMATS:
+        raise ScenarioError(f"{names['format']} is {code:02X}h, which no answer had")
     dint, real = numbers(code, octets) if code else (0, 0.0)
     wanted = struct.pack(">if", dint, real) if code not in {0x08, 0x43} else octets[:4] * 2
     found = rig.db.bytes(names["dint"], 4) + rig.db.bytes(names["real"], 4)

@@ -87,7 +87,7 @@ def test_what_cannot_be_planned_is_left_out_and_reported() -> None:
 jobs:
   a: {drive: x, read: [r21]}
   b: {drive: w, read: [r21]}
-  c: {drive: x, read: [P12345]}
+  c: {drive: x, compare: {P12345: 1}}
 """,
         "PG201",
         "PG202",

@@ -20,6 +20,8 @@ NEVER_INHERITED = frozenset({"min", "max", "default", "values", "array"})
 NUMBER_FACTS = frozenset({"type", "title", "unit", "access", "name", "bico"})
 DISPLAYS = frozenset({944, 945, 947, 948, 949, 964, 965, 975})
 """PROFIdrive parameters that no device lets anybody write (OPC 30144, annex B)."""
+APART = frozenset({"sinamics-dcm", "sinamics-dcp"})
+"""Devices of a family that have nothing in common with its other ones: converters for direct current."""
 Facts = Mapping[str, Any]
 
 
@@ -99,11 +101,12 @@ class StatedCatalogue:
         """What other devices of the family say of a number of which this one's catalogue has no type, if all that do
         give one type; nothing from memory counts.
         """
-        if self._source.family is None:
+        if self._source.family is None or APART & {self._device, self._own_key}:
             return {}
         family = self._source.family(self._device)
         start = f"{self._device.partition('-')[0]}-"
-        others = (name for name in sorted(family.profiles) if name.startswith(start) and name != self._own_key)
+        named = (name for name in sorted(family.profiles) if name.startswith(start))
+        others = (name for name in named if name not in {self._own_key, *APART})
         found = [one for name in others if (one := _of_device(name, family, number))]
         if len({one["type"] for one in found}) != 1:
             return {}
