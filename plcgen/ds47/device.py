@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import isclose
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, ValidationInfo
 
 from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.base.files.printed import Name, Printed, Value
@@ -15,6 +16,8 @@ from plcgen.base.files.validation import StrictModel, problem
 from plcgen.ds47 import effects, lists
 from plcgen.ds47.objects import CONTROL_UNIT_TYPE, OTHER, kindred, single_types
 from plcgen.ds47.references import parse_reference
+from plcgen.ds47.types import TypeTextError, read_type
+from plcgen.ds47.wire.formats import FormatKind
 
 if TYPE_CHECKING:
     from plcgen.ds47.wire.bico import Layout
@@ -67,7 +70,9 @@ class Parameter:
     stated fact is known. Limits, factory setting, number of indexes and names of values that were not read decide
     nothing: they stand in ``doubted`` alone. ``observed`` is a value that a drive had once; ``values`` are single
     values by their names; ``scaling`` is the reference of the value in process data, p2000 for example;
-    ``objects`` are the types of the drive objects that have it, empty if nobody knows.
+    ``objects`` are the types of the drive objects that have it, empty if nobody knows. ``scale`` is what one count of a
+    whole number is worth in the unit of its manual, 0 of one that has none: limits and values are in counts then, and
+    ``unit`` says what a count is, ``0.01 s``.
     """
 
     pnu: int
@@ -93,10 +98,17 @@ class Parameter:
     values: Mapping[str, int] = field(default_factory=dict)
     scaling: str = ""
     objects: frozenset[str] = frozenset()
+    scale: float = 0.0
 
     def read(self, fact: Fact) -> bool:
         """Whether a fact was read in its source."""
         return self.grades.get(fact) == "read"
+
+
+def counts(value: float, scale: float) -> float:
+    """How many counts of ``scale`` a value is, whole if it is no more than a rounding error beside that."""
+    found = value / scale
+    return round(found) if isclose(found, round(found), rel_tol=1e-9, abs_tol=1e-9) else found
 
 
 def limit_text(limit: float | None) -> str:
@@ -381,6 +393,20 @@ class Device:
         return next((p for p in self.parameters.values() if p.name == name), None)
 
 
+def _of_whole_numbers(scale: float | None, info: ValidationInfo) -> float | None:
+    try:
+        fmt, _ = read_type(info.data.get("type") or "")
+    except TypeTextError:
+        return scale
+    if scale is not None and fmt.kind not in {FormatKind.SIGNED, FormatKind.UNSIGNED}:
+        help_ = "leave scale out: the value is in its unit"
+        raise problem(f"scale is for whole numbers, not for {fmt.name}", help_=help_)
+    return scale
+
+
+Scale = Annotated[float, Field(gt=0, lt=1e9)]
+
+
 class ParameterDef(StrictModel):
     """A drive parameter that the device catalogue does not hold (or holds differently)."""
 
@@ -391,6 +417,9 @@ class ParameterDef(StrictModel):
     access: Literal["r", "w", "rw"] | None = Field(None, description="absent: rw, or r where it can only be read")
     array: Indexes | None = Field(
         None, description="number of indexes, or what it follows: CDS, DDS, EDS, MDS, n; absent: not indexed"
+    )
+    scale: Annotated[Scale | None, AfterValidator(_of_whole_numbers)] = Field(
+        None, description="fixed point: what one count is worth in the unit, such as 0.01; values are given in the unit"
     )
     min: float | None = Field(None, description="least value that a constant may have")
     max: float | None = Field(None, description="greatest value that a constant may have")
@@ -412,19 +441,25 @@ def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Pa
         del grades["type"]
     doubted = {fact: stated[fact] for fact in DECIDING if fact in stated and grades[fact] != "read"}
     array = stated.get("array")
+    scale, unit = entry.get("scale") or 0.0, entry.get("unit") or ""
+    if scale:
+        for known in (stated, doubted):
+            known |= {key: counts(known[key], scale) for key in ("min", "max", "default") if _number_in(known, key)}
+        unit = f"{scale:g} {unit}".strip()
+    observed = counts(entry["observed"], scale) if scale and _number_in(entry, "observed") else entry.get("observed")
     return Parameter(
         pnu=pnu,
         type="" if entry["type"] == UNKNOWN else entry["type"],
         name=entry.get("name") or "",
         title=entry.get("title") or "",
-        unit=entry.get("unit") or "",
+        unit=unit,
         access=entry.get("access") or ("r" if read_only else "rw"),
         array=array if isinstance(array, int) and "array" not in doubted else None,
         indexes=array if isinstance(array, str) else UNKNOWN if grades["array"] != "read" else "",
         minimum=None if "min" in doubted else stated.get("min"),
         maximum=None if "max" in doubted else stated.get("max"),
         default=None if "default" in doubted else stated.get("default"),
-        observed=entry.get("observed"),
+        observed=observed,
         bico=entry.get("bico", False),
         dangerous=entry.get("dangerous") or "",
         harmless=entry.get("harmless") or "",
@@ -436,4 +471,9 @@ def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Pa
         values={} if "values" in doubted else stated.get("values", {}),
         scaling=stated.get("scaling", ""),
         objects=single_types(stated.get("objects", ())),
+        scale=scale,
     )
+
+
+def _number_in(values: Mapping[Any, Any], key: str) -> bool:
+    return isinstance(values.get(key), int | float) and not isinstance(values[key], bool)

@@ -36,6 +36,7 @@ from plcgen.ds47.device import (
     Parameter,
     ParameterDef,
     ParameterNumber,
+    counts,
     device_hint,
     parameter_from,
 )
@@ -219,7 +220,7 @@ class ParameterEntry(ParameterDef):
         fmt, _ = read_type(info.data["type"])
         if fmt.kind not in {FormatKind.SIGNED, FormatKind.UNSIGNED, FormatKind.FLOAT}:
             raise problem(f"{fmt.name} has no limits")
-        _pack(fmt, limit)
+        _pack(fmt, limit, info)
         low = info.data.get("min")
         if info.field_name == "max" and low is not None and low > limit:
             raise problem(f"min {low:g} is larger than max {limit:g}")
@@ -238,7 +239,7 @@ class ParameterEntry(ParameterDef):
             if fmt.name != "Unsigned32" or parse_bico(value) is None:
                 raise problem(f'"{value}" is not a value of type {fmt.name}')
             return value
-        _pack(fmt, value)
+        _pack(fmt, value, info)
         if not _between_limits(value, info):
             raise problem(f"the {info.field_name} value {value:g} is outside min and max")
         return value
@@ -250,7 +251,7 @@ class ParameterEntry(ParameterDef):
         for name, value in values.items() if info.data.get("type", UNKNOWN) != UNKNOWN else ():
             with problems.at(name):
                 _pack(read_type(info.data["type"])[0], value)
-                if not _between_limits(value, info):
+                if not info.data.get("scale") and not _between_limits(value, info):
                     raise problem(f"{name}: {value} is outside min and max")
         problems.raise_any()
         return values
@@ -268,7 +269,10 @@ def _between_limits(value: float, info: ValidationInfo) -> bool:
     return (low is None or value >= low) and (high is None or value <= high)
 
 
-def _pack(fmt: Format, value: Any) -> None:
+def _pack(fmt: Format, value: Any, info: ValidationInfo | None = None) -> None:
+    scale = info.data.get("scale") if info is not None else None
+    if scale and isinstance(value, int | float):
+        value = counts(value, scale)
     try:
         formats.pack_values(fmt, [value])
     except FormatValueError as wrong:

@@ -29,22 +29,23 @@ def merged(known: Parameter, own: Parameter) -> Parameter:
         maximum=known.maximum if own.maximum is None else own.maximum,
         bico=known.bico or own.bico,
         values={**known.values, **own.values},
+        scale=own.scale or known.scale,
         observed=known.observed if own.type == known.type else None,
         grades={**known.grades, "type": "read"},
         doubted={fact: value for fact, value in known.doubted.items() if fact not in stated},
     )
 
 
-def widened(known: Parameter, own: ParameterDef) -> Iterator[tuple[str, str]]:
-    """Each key of a definition that contradicts what was read, with what was read."""
+def widened(known: Parameter, own: ParameterDef, meant: Parameter) -> Iterator[tuple[str, str]]:
+    """Each key of a definition that contradicts what was read, with what was read; ``meant`` has its values."""
     if known.read("type") and own.type.lower() != known.type.lower():
         yield "type", f"is {known.type}, not {own.type}"
-    if known.read("unit") and own.unit and own.unit.lower() != known.unit.lower():
-        yield "unit", f"is in {known.unit}, not {own.unit}"
-    if own.min is not None and known.minimum is not None and own.min < known.minimum:
-        yield "min", f"begins at {known.minimum:g}, not {own.min:g}"
-    if own.max is not None and known.maximum is not None and own.max > known.maximum:
-        yield "max", f"ends at {known.maximum:g}, not {own.max:g}"
+    if known.read("unit") and own.unit and meant.unit.lower() != known.unit.lower():
+        yield "unit", f"is in {known.unit}, not {meant.unit}"
+    if meant.minimum is not None and known.minimum is not None and meant.minimum < known.minimum:
+        yield "min", f"begins at {known.minimum:g}, not {meant.minimum:g}"
+    if meant.maximum is not None and known.maximum is not None and meant.maximum > known.maximum:
+        yield "max", f"ends at {known.maximum:g}, not {meant.maximum:g}"
     if known.array is not None and own.array is not None and (isinstance(own.array, str) or own.array > known.array):
         yield "array", f"has {known.array} indexes, not {own.array}"
     elif known.array is None and not known.indexes and own.array not in {None, 1}:

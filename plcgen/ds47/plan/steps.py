@@ -8,7 +8,7 @@ from itertools import pairwise
 from math import inf
 
 from plcgen.base.diagnostics import Diagnostic, Report, Severity
-from plcgen.ds47.device import limit_text
+from plcgen.ds47.device import counts, limit_text
 from plcgen.ds47.kind import StepItem, Wait, WriteItem
 from plcgen.ds47.plan.access import Part, Use
 from plcgen.ds47.plan.uses import UseResolver
@@ -89,6 +89,8 @@ def _limits(use: Use, awaited: Wait, wanted: object, place: SpecPath, resolver: 
     value = parameter.values.get(wanted) if isinstance(wanted, str) else wanted
     if not isinstance(value, bool | int | float):
         return
+    if parameter.scale and not isinstance(wanted, str):
+        value = counts(value, parameter.scale)
     low = -inf if parameter.minimum is None else parameter.minimum
     high = inf if parameter.maximum is None else parameter.maximum
     if low > high:
@@ -99,7 +101,8 @@ def _limits(use: Use, awaited: Wait, wanted: object, place: SpecPath, resolver: 
             return
         low = high = 0
     shown = f"{use.label}{'' if awaited.bit is None else f'.{awaited.bit}'} {awaited.operator} {wanted}"
-    limits = f"its limits are {limit_text(parameter.minimum)}..{limit_text(parameter.maximum)}"
+    ends = (None if end is None else end * (parameter.scale or 1.0) for end in (parameter.minimum, parameter.maximum))
+    limits = f"its limits are {'..'.join(map(limit_text, ends))}"
     where = (*place, "value")
     if _never(operator, value, low, high):
         severity = Severity.WARNING if parameter.access == "r" else Severity.ERROR

@@ -11,7 +11,7 @@ from plcgen.base.diagnostics import Diagnostic, Report, Severity
 from plcgen.base.diagnostics.counting import shortlist
 from plcgen.base.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.ds47 import guards
-from plcgen.ds47.device import UNKNOWN, Fact, Parameter, limit_text
+from plcgen.ds47.device import UNKNOWN, Fact, Parameter, counts, limit_text
 from plcgen.ds47.kind import ReadItem, WriteItem
 from plcgen.ds47.plan import untyped
 from plcgen.ds47.plan.access import Compare, Read, Use, Write
@@ -121,12 +121,14 @@ class UseResolver:
             self.problem("PG206", message, place, help_)
             return None
         start = item.value if isinstance(item, WriteItem) and item.value is not None else None
-        constant = start is not None
+        constant, counted = start is not None, parameter
         if isinstance(item, WriteItem) and not constant:
-            start = item.start if item.start is not None else _safe_default(parameter, fmt, count)
+            start = item.start
+            if start is None:
+                start, counted = _safe_default(parameter, fmt, count), replace(parameter, scale=0.0)
         data = b"\0" * (count * fmt.size)
         if isinstance(item, WriteItem):
-            data = self.pack(start, parameter, fmt, count, (*path, "value" if constant else "start")) or data
+            data = self.pack(start, counted, fmt, count, (*path, "value" if constant else "start")) or data
         return Use(
             position=position,
             parameter=parameter,
@@ -276,6 +278,12 @@ class UseResolver:
     def _pack_one(self, value: Any, parameter: Parameter, fmt: Format, path: SpecPath) -> bytes | None:
         if isinstance(value, str) and value in parameter.values:
             value = parameter.values[value]
+        elif parameter.scale and isinstance(value, int | float) and not isinstance(value, bool):
+            value = counts(value, parameter.scale)
+            if not isinstance(value, int):
+                message = f"P{parameter.pnu} = {value * parameter.scale:g} is no multiple of {parameter.unit}"
+                self.problem("PG208", message, path, f"one count of the drive is {parameter.unit}")
+                return None
         if isinstance(value, str):
             source = parse_bico(value) if fmt.name == "Unsigned32" else None
             bico = source and source.within(self.device.bico)
@@ -293,7 +301,8 @@ class UseResolver:
                 value = _octets(value, fmt.size)
             packed = formats.pack_values(fmt, [value])
         except FormatValueError as problem:
-            self.problem("PG208", f"P{parameter.pnu}: {problem}", path)
+            counted = f", in counts of {parameter.unit}" if parameter.scale else ""
+            self.problem("PG208", f"P{parameter.pnu}: {problem}{counted}", path)
             return None
         return packed if self._within(value, parameter, path) else None
 
@@ -303,13 +312,15 @@ class UseResolver:
         for sure, (low, high) in zip((True, False), ends, strict=True):
             if not isinstance(value, bool | int | float) or not _beyond(value, low, high):
                 continue
-            unit = f" {parameter.unit}" if parameter.unit else ""
-            bounds = f"{limit_text(low)}..{limit_text(high)}{unit}"
+            of = parameter.scale or 1.0
+            unit = f" {parameter.unit.removeprefix(f'{of:g} ' if parameter.scale else '')}" if parameter.unit else ""
+            ends_text = (limit_text(None if end is None else end * of) for end in (low, high))
+            bounds = f"{'..'.join(ends_text)}{unit}"
             grades = sorted({parameter.grades.get(end, "read") for end in _ENDS if end in parameter.doubted})
             how = "" if sure else f" ({' and '.join(grades)}, not read in a manual)"
             self.problem(
                 "PG209",
-                f"P{parameter.pnu} = {value:g} is outside its limits {bounds}{how}",
+                f"P{parameter.pnu} = {value * of:g} is outside its limits {bounds}{how}",
                 path,
                 "the drive would answer error 02h"
                 if sure

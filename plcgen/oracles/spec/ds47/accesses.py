@@ -108,13 +108,19 @@ class JobReader:
             bico=parameter.bico,
             letter=str(parameter.facts.get("letter", "P")),
             title=str(parameter.facts.get("title") or ""),
-            unit=str(parameter.facts.get("unit") or ""),
+            unit=unit_of(parameter.facts),
             comments=item.comments,
         )
 
     def fixed(self, text: str, type_: str = "") -> SpecItem:
         """A parameter that the kind of job names, not the spec; ``type_`` if the catalogue has none."""
         return SpecItem(text, {"type": type_} if type_ else {}, None, self.source.place(self.way), fixed=True)
+
+
+def unit_of(facts: Mapping[str, Any]) -> str:
+    """What a value is counted in: ``s``, or ``0.01 s`` of a fixed point value."""
+    unit, scale = str(facts.get("unit") or ""), facts.get("scale")
+    return f"{scale:g} {unit}".strip() if scale else unit
 
 
 def items(node: Any, source: SpecSource, way: Keys) -> Iterator[SpecItem]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from decimal import Decimal
 from typing import Any
 
 from plcgen.oracles.spec.ds47.parameters import WrittenParameter
@@ -23,7 +24,7 @@ def number_meant(value: Any, parameter: WrittenParameter, profile: Mapping[str, 
     if isinstance(value, bool):
         return int(value)
     if isinstance(value, int | float):
-        return float(value) if is_float(parameter.type) else value
+        return float(value) if is_float(parameter.type) else counts(value, parameter.facts)
     text = str(value)
     if string_octets(parameter.type):
         return text
@@ -36,6 +37,12 @@ def number_meant(value: Any, parameter: WrittenParameter, profile: Mapping[str, 
     if parameter.bico or _SOURCE.fullmatch(text):
         return source_value(text, profile)
     raise NotStatedError(f"nobody says which number {text!r} of {parameter.text} is")
+
+
+def counts(value: Number, facts: Mapping[str, Any]) -> Number:
+    """A fixed point value as the drive counts it: 3.5 s of 0.01 s each are 350 (docs/spec.md, "Drives")."""
+    scale = facts.get("scale")
+    return int(Decimal(str(value)) / Decimal(str(scale))) if scale else value
 
 
 def source_value(text: str, profile: Mapping[str, Any]) -> int:

@@ -14,7 +14,7 @@ from plcgen.oracles.spec.ds47.accesses import JobReader, SpecItem, items
 from plcgen.oracles.spec.ds47.kinds.write import writing
 from plcgen.oracles.spec.ds47.parameters import WrittenParameter
 from plcgen.oracles.spec.ds47.statement import FromRecord, Number, Source, StatedAccess, StatedStep
-from plcgen.oracles.spec.ds47.values import number_meant, start_of
+from plcgen.oracles.spec.ds47.values import counts, number_meant, start_of
 from plcgen.oracles.spec.place import NotStatedError
 
 
@@ -70,7 +70,8 @@ def _values(
     records: list[Mapping[str, Any]],
 ) -> tuple[Source, ...]:
     delivered = [_delivered(job, item, parameter, name, record) for record in records]
-    low, high = parameter.facts.get("min"), parameter.facts.get("max")
+    ends = (parameter.facts.get("min"), parameter.facts.get("max"))
+    low, high = (None if end is None else counts(end, parameter.facts) for end in ends)
     whole = parameter.count == 1
     return tuple(
         FromRecord(recipe, name, None if whole else parameter.first + at, tuple(v[at] for v in delivered), low, high)
