@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from plcgen.base.telegrams.dissection import ByteField
 from plcgen.ds47.plan.access import Compare, Read, Use, Write
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
-from plcgen.ds47.plan.values import literals_text
+from plcgen.ds47.plan.values import amount_text, literals_text
 from plcgen.ds47.wire.dissect import dissect_request
 from plcgen.project.nouns import Buffer, BufferField
 from plcgen.s7.compare.model import DriveState, JobItem, JobState, TelegramState
@@ -63,7 +63,11 @@ def _item(plan: DrivePlan, use: Use) -> JobItem:
     if not use.supplied:
         return JobItem(use.label, does)
     constant = all(one.constant for one in (use.bits or (use,)))
-    return JobItem(use.label, does, f"{literals_text(use, plan.target)}{'' if constant else ' (input)'}")
+    return JobItem(
+        use.label,
+        does,
+        f"{(amount_text if use.parameter.scale else literals_text)(use, plan.target)}{'' if constant else ' (input)'}",
+    )
 
 
 def shown_request(data: bytes) -> list[ByteField]:

@@ -10,7 +10,7 @@ from plcgen.ds47.device import Parameter
 from plcgen.ds47.effects import UNCLASSIFIED
 from plcgen.ds47.plan.access import Part, Running, Use
 from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan, DriveTelegram
-from plcgen.ds47.plan.values import literals_text
+from plcgen.ds47.plan.values import amount_text, literals_text
 from plcgen.ds47.views.texts import field_texts
 from plcgen.ds47.wire.dissect import dissect_request
 from plcgen.ds47.wire.formats import ERROR, padded
@@ -67,7 +67,7 @@ def _write(plan: DrivePlan, shape: DriveJob, use: Use) -> WriteEntry:
         partners=tuple(job.drive.key for job in jobs),
         parameter=use.label,
         text=parameter.title,
-        value=source or literals_text(use, plan.target),
+        value=source or (amount_text if parameter.scale else literals_text)(use, plan.target),
         input=any(not one.constant for one in (use.bits or (use,))) and not source,
         limits="" if use.bits else _limits(parameter.minimum, parameter.maximum),
         unit=parameter.unit,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, Severity
 from plcgen.base.diagnostics.counting import shortlist
-from plcgen.ds47.plan.values import literals_text
+from plcgen.ds47.plan.values import amount_text
 from plcgen.ds47.registry import kind_called
 from plcgen.ds47.rules.places import given_start, parameter_span
 
@@ -78,8 +78,7 @@ def left_open(plan: DrivePlan) -> Iterator[Diagnostic]:
 
 
 def _written(plan: DrivePlan, use: Use) -> str:
-    unit = f" {use.parameter.unit}" if use.parameter.unit else ""
-    return f"{use.label} = {literals_text(use, plan.target)}{unit}"
+    return f"{use.label} = {amount_text(use, plan.target)}"
 
 
 def _drives(plan: DrivePlan, shape: DriveJob) -> str:
