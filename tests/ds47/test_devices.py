@@ -202,7 +202,8 @@ def test_help_names_what_was_meant(tmp_path: Path) -> None:
     assert 'did you mean "exact"? allowed: exact, size' in helps[6] or "1, 2" in helps[6]
     assert 'did you mean "FloatingPoint"?' in helps[14]
     assert (
-        ", name, title, unit, access, array, min, max, default, bico, values, dangerous, harmless, source" in helps[16]
+        ", name, title, unit, access, array, scale, min, max, default, bico, values, dangerous, harmless, source"
+        in helps[16]
     )
     assert 'did you mean "access"?' in helps[22]
 

@@ -103,7 +103,11 @@ def _drive(plan: DrivePlan, drive: PlannedDrive) -> Iterator[Assumption]:
         known = drive.device.find(parameter.pnu, drive.object_type)
         typed = known is not None and bool(known.type)
         facts: tuple[tuple[Fact, str, bool], ...] = (
-            ("type", "" if use.untyped else use.format.name, defined is not None or not (typed or parameter.source)),
+            (
+                "type",
+                "" if use.untyped else use.format.name,
+                defined is not None or not (typed or parameter.grades.get("type") == "inferred"),
+            ),
             ("min", limit_text(parameter.minimum), defined is not None and defined.min is not None),
             ("max", limit_text(parameter.maximum), defined is not None and defined.max is not None),
         )

@@ -293,7 +293,8 @@ class DriveWording:
             )
         if any(waits_for(text, job, use, called[use.position]) for use in job.uses):
             return True
-        return text.removesuffix(": all other bits as they were read") in called.values()
+        told = text.removesuffix(": all other bits as they were read").removesuffix(": the answer says the type")
+        return told in called.values()
 
     def retains(self, block: Block) -> bool:
         """The records of a recipe, unless the spec says otherwise."""
