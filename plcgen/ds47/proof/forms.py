@@ -63,7 +63,7 @@ def check_forms(rig: JobRig) -> None:
 
 
 def check_formats(rig: JobRig, came: Came) -> None:
-    """Behind a run that is done: the format is that of the answer."""
+    """After a run that is done, the format is that of the answer."""
     for use in rig.job.uses:
         for one in use.shown:
             if one.as_(Form) == Form("format"):
@@ -84,4 +84,4 @@ def _check(rig: JobRig, use: Use) -> None:
         shown = f"{found.hex(' ')} instead of {wanted.hex(' ')}"
         raise ScenarioError(f"{names['dint']} and {names['real']} of format {code:02X}h are {shown}")
     if code and any(octets[size(code) :]):
-        raise ScenarioError(f"{use.member} has octets behind its value: {octets.hex(' ')}")
+        raise ScenarioError(f"{use.member} has octets after its value: {octets.hex(' ')}")
