@@ -50,7 +50,7 @@ DAMAGE = {
     "another octet": ("#operationEnabled := (#statResponse[7]", "#operationEnabled := (#statResponse[6]"),
     "the other way round": ("AND B#16#04) <> B#16#00", "AND B#16#04) = B#16#00"),
     "of an answer that is an error": (
-        "IF #errors[1] = W#16#0000 THEN #operationEnabled",
+        "IF #diagnosis.errors[1] = W#16#0000 THEN #operationEnabled",
         "IF TRUE THEN #operationEnabled",
     ),
 }

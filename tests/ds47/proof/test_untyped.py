@@ -62,7 +62,7 @@ DAMAGE = {
         "#p42051Format := #statResponse[5]",
     ),
     "of an answer that is an error": (
-        "IF #errors[1] = W#16#0000 THEN\n      // r42051",
+        "IF #diagnosis.errors[1] = W#16#0000 THEN\n      // r42051",
         "IF TRUE THEN\n      // r42051",
     ),
     "asked for with a type": ("DW#16#00010008", "DW#16#38010008"),
