@@ -17,6 +17,7 @@ from plcgen.proof.checks import Check, CheckGroup, Outcome, Verification
 from plcgen.proof.effort import Faults
 
 if TYPE_CHECKING:
+    from plcgen.project.includes import Read
     from plcgen.project.nouns import Project
     from plcgen.proof.cache import VerdictCache
     from plcgen.proof.rig import ProgramBench
@@ -44,7 +45,7 @@ class Asked:
     """What is to be verified, and how much of it; ``drive`` replaces the profile's simulated drive.
 
     ``faults`` is how much of the fault matrix the generated SCL runs through, ``dissector`` sends the telegrams through
-    ``tshark``.
+    ``tshark``, ``read`` gives the text of the spec (None: the file).
     """
 
     spec: Path
@@ -52,6 +53,7 @@ class Asked:
     drive: Path | None = None
     faults: Faults = "quick"
     dissector: bool = False
+    read: Read | None = None
 
 
 def verify(asked: Asked, progress: Progress | None = None, means: Means | None = None) -> Verification:
@@ -65,9 +67,10 @@ def verify(asked: Asked, progress: Progress | None = None, means: Means | None =
 
 
 def _opened(asked: Asked, report: Report) -> Project:
+    from plcgen.project.composing import from_disk
     from plcgen.project.opening import open_spec
 
-    opened = open_spec(asked.spec)
+    opened = open_spec(asked.spec, asked.read or from_disk)
     project = opened.sound()
     report.extend(opened.diagnostics)
     if not asked.folder.is_dir():

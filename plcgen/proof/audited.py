@@ -11,6 +11,8 @@ from pathlib import Path
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Note, Report, Severity, Span
 from plcgen.base.diagnostics.counting import shortlist
+from plcgen.project.composing import from_disk
+from plcgen.project.includes import Read
 from plcgen.proof.checks import Check, CheckGroup, Outcome, Verification
 
 
@@ -49,22 +51,22 @@ def audited(id_: str, subject: str, text: str, findings: AuditFindings, good: st
     return Check(id_, subject, text, Outcome.OK, "; ".join([good, *findings.notes]))
 
 
-def audit_files(paths: Sequence[Path], spec: Path) -> Verification:
-    """Hold sources against the plan of a spec; every finding is a diagnostic."""
+def audit_files(paths: Sequence[Path], spec: Path, read: Read = from_disk) -> Verification:
+    """Hold sources against the plan of a spec, whose text ``read`` gives; every finding is a diagnostic."""
     label = shortlist([path.as_posix() for path in paths], 3, f" (+{len(paths) - 3})")
     report = Report()
     try:
-        return _audit(paths, spec, label, report)
+        return _audit(paths, spec, label, report, read)
     except DiagnosticError as problem:
         report.extend(problem.diagnostics)
     return Verification(str(spec), label, "", "", (), tuple(report), "audit")
 
 
-def _audit(paths: Sequence[Path], spec: Path, label: str, report: Report) -> Verification:
+def _audit(paths: Sequence[Path], spec: Path, label: str, report: Report, read: Read) -> Verification:
     from plcgen.project.opening import open_spec
     from plcgen.s7.read.blocks import read_sources
 
-    opened = open_spec(spec)
+    opened = open_spec(spec, read)
     project = opened.sound()
     report.extend(opened.diagnostics)
     target = f"{project.target.family} / {project.target.toolchain}"

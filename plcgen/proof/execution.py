@@ -302,7 +302,8 @@ def together_check(suite: Suite[Any], result: Result) -> Check:
     if not result.failures:
         return replace(good, text=f"{good.text}; {result.made}") if result.made else good
     found = diagnostic("PG621", good.subject, result.failures, suite.page)
-    return failed(good.id, good.subject, good.text, found, str(result.failures[0]))
+    trials = tuple(Trial(one.scenario, one.scan, False) for one in result.failures)  # noqa: FBT003 - see the field
+    return replace(failed(good.id, good.subject, good.text, found, str(result.failures[0])), trials=trials)
 
 
 def coverage_check(block: CodeBlock, found: Coverage) -> Check:

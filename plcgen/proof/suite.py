@@ -118,6 +118,9 @@ class Suite(Protocol[S]):
     def jobs(self) -> Sequence[PlannedJob]:
         """The jobs, in the order of the report."""
 
+    def pins(self, job: Any) -> Mapping[str, str]:
+        """Paths of execute, busy, done, error and status of a job in the whole program."""
+
     def shown_name(self, job: Any) -> str:
         """What a report calls a job: no two jobs of the project alike."""
 

@@ -20,6 +20,7 @@ from pydantic import (
     ConfigDict,
     RootModel,
     ValidationError,
+    ValidationInfo,
     ValidatorFunctionWrapHandler,
     WrapValidator,
 )
@@ -140,6 +141,16 @@ _CUSTOM = "problem"
 def problem(message: str, *, code: str = "PG107", help_: str = "", at_key: bool = False) -> PydanticCustomError:
     """What a validator raises: the diagnostic's own words; its place is the value's, or its key's."""
     return PydanticCustomError(_CUSTOM, "{message}", {"message": message, "code": code, "help": help_, "key": at_key})
+
+
+def counting(value: Any, info: ValidationInfo, kinds: Mapping[Any, tuple[str, tuple[str, ...]]]) -> Any:
+    """The value of a key of a fault, if it counts for its kind: a key that counts for none does for all of them."""
+    kind, key = info.data.get("kind"), info.field_name
+    if kind is None or value is None or not any(key in keys for _, keys in kinds.values()) or key in kinds[kind][1]:
+        return value
+    own = ", ".join(kinds[kind][1])
+    help_ = f"keys of it: {own}" if own else "leave it out"
+    raise problem(f'"{key}" does nothing for the fault {kind.value}', help_=help_)
 
 
 @dataclass(slots=True)

@@ -31,6 +31,7 @@ from plcgen.ds47.proof.sections import PlantSection
 from plcgen.ds47.proof.stated.checks import stated_checks
 from plcgen.ds47.proof.together import left_out_together, procedures
 from plcgen.ds47.proof.wording import DriveWording
+from plcgen.ds47.recording.jobs import execute_path, instance_path
 from plcgen.ds47.sim.drive import Drive
 from plcgen.project.nouns import BufferField
 from plcgen.proof.checks import Check, CheckGroup, Outcome
@@ -159,6 +160,11 @@ class DriveSuite:
         self.jobs = tuple(replace(job, key=job.shape) for job in plan.shapes)
         self.numbers = {job.shape: number for number, job in enumerate(plan.shapes, 1)}
         self._cpu: Cpu | None = None
+
+    def pins(self, job: DriveJob) -> dict[str, str]:
+        """Where a job is started, and outputs of its instance."""
+        outputs = {name: f"{instance_path(job)}.{name}" for name in ("busy", "done", "error", "status")}
+        return {"execute": execute_path(job), **outputs}
 
     def shown_name(self, job: DriveJob) -> str:
         """Its key."""

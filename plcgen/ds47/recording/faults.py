@@ -18,8 +18,12 @@ from plcgen.base.files.printed import Name
 from plcgen.base.files.text import read_text
 from plcgen.base.files.validation import FileShape, StrictModel, load_document, problem, validate_option
 from plcgen.base.files.yaml import resolve_plain
-from plcgen.ds47.sim.faults import Fault, FaultKind
+from plcgen.ds47.sim.faults import KINDS, Fault, FaultKind
 from plcgen.ds47.sim.load import FaultKeys
+from plcgen.ds47.wire.errors import error_text, known_numbers
+from plcgen.ds47.wire.status import known_codes, status_of
+from plcgen.report.trace.face import FaultKind as Kind
+from plcgen.report.trace.faults import fault_kinds
 from plcgen.report.trace.settings import FAULTS_SHAPE, with_faults_key
 
 _HEX = re.compile(r"(?=.*[A-Fa-f])[0-9A-Fa-f]{2,8}|[0-9A-Fa-f]{2,8}h|[0-9A-Fa-f]{8}", re.ASCII)
@@ -80,6 +84,21 @@ class DriveFaults(StrictModel):
     """A file of faults."""
 
     faults: tuple[DriveFault, ...]
+
+
+def drive_faults(drives: Sequence[str]) -> tuple[Kind, ...]:
+    """Everything that can go wrong with some drives."""
+    codes = known_codes()
+    known = {
+        "number": [(f"16#{number:02X}", error_text(number).meaning) for number in known_numbers()],
+        "code": [(f"16#{code:02X}", text) for code, text in codes],
+        "status": [
+            (f"16#{status_of(call, code):08X}", f"{'RDREC' if call == 'read' else 'WRREC'}: {text}")
+            for call in ("read", "write")
+            for code, text in codes
+        ],
+    }
+    return fault_kinds(DriveFault, KINDS, known, {"drive": drives})
 
 
 _FILE = FileShape(DriveFaults, "the file", FAULTS_SHAPE, prepare=with_faults_key)

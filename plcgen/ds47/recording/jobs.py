@@ -13,9 +13,10 @@ from plcgen.ds47.wire.errors import error_text
 from plcgen.ds47.wire.formats import unpack_values
 from plcgen.ds47.wire.status import explain_status
 from plcgen.ds47.words import CHANNEL_STATES, ERROR_DEVIATES, STATUS_WORDS
-from plcgen.report.trace.face import JobEnd, JobFacts, Observed
+from plcgen.report.trace.face import JobEnd, JobFacts, JobInput, Observed
 from plcgen.report.trace.model import Contact, JobValue, Signal, Value
 from plcgen.report.trace.recorder import Derived, recorded_kind, recorded_value, signal, watch
+from plcgen.report.trace.values import input_members
 from plcgen.s7.cpu.cpu import Cpu
 
 _WAITING = 1 + max(number for _, number, _ in CHANNEL_STATES)
@@ -167,6 +168,20 @@ class DriveJobWatch:
         self._state = Derived(partial(units.state, planned))
         self._state.changed()
         self._record = _while_held(cpu, f'"{planned.drive.unit.db.name}".unit.recordStatus', units, planned)
+
+    def inputs(self) -> Iterator[JobInput]:
+        """Values of parameters with what the catalogue knows of them, then what else the kind takes."""
+        job = self._planned
+        known = {use.member: use for use in job.inputs}
+        commands = f'"{job.caller.control.name}".{job.member}'
+        for member, comment in input_members(self._cpu, job.block.name, commands):
+            path, use = f"{commands}.{member}", known.get(member)
+            if use is None:
+                yield JobInput(path, comment)
+                continue
+            one, bit = use.parameter, use.bit is not None
+            limits = (None, None) if bit else (one.minimum, one.maximum)
+            yield JobInput(path, f"{use.label} {one.title}", one.unit or "", *limits, {} if bit else one.values)
 
     def signals(self) -> Iterator[Observed]:
         """Start, state, outputs and values."""

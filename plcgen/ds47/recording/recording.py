@@ -13,16 +13,16 @@ from plcgen.base.files.options import usage
 from plcgen.base.files.yaml import resolve_plain
 from plcgen.ds47.plan.nouns import DrivePlan
 from plcgen.ds47.recording.exchange import contact_text
-from plcgen.ds47.recording.faults import plan_faults
+from plcgen.ds47.recording.faults import drive_faults, plan_faults
 from plcgen.ds47.recording.jobs import DriveJobWatch, UnitWatch
 from plcgen.ds47.recording.partners import Partner, connect
 from plcgen.ds47.sim.drive import Drive
-from plcgen.ds47.sim.faults import FaultKind
+from plcgen.ds47.sim.faults import KINDS
 from plcgen.ds47.sim.load import value_of
 from plcgen.ds47.sim.parameters import SimulatedParameter
 from plcgen.ds47.texts import dissect_telegram
 from plcgen.ds47.words import DRAIN_MS
-from plcgen.report.trace.face import Observed, PartnerOptions
+from plcgen.report.trace.face import FaultKind, Observed, PartnerOptions
 from plcgen.report.trace.model import Contact
 from plcgen.report.trace.recorder import SHAPES, RecordingCpu
 from plcgen.s7.cpu.system.bus import Periphery
@@ -38,7 +38,7 @@ _LABEL = re.compile(r"([rP])([0-9]+)")
 class DriveRecording:
     """What can be recorded of drives and jobs."""
 
-    faults = tuple(kind.value for kind in FaultKind)
+    faults = tuple(kind.value for kind in KINDS)
     fault = "busy:times=2"
     drain = DRAIN_MS
     words = ("record call", "drive")
@@ -58,6 +58,11 @@ class DriveRecording:
         self._partners = connect(self.plan, options.files, faults)
         for address, partner in self._partners.items():
             bus.attach(address, partner.drive)
+
+    @property
+    def kinds(self) -> tuple[FaultKind, ...]:
+        """Of all drives, or of one."""
+        return drive_faults(self.partners)
 
     def contents(self) -> Iterator[tuple[str, str, str]]:
         """Every parameter that a job accesses: ``drive.P1120``, of an array each element that is accessed first."""

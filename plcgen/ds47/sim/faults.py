@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -14,21 +15,39 @@ if TYPE_CHECKING:
 
 
 class FaultKind(enum.Enum):
-    """What goes wrong; the comment names the fields that matter."""
+    """What goes wrong; see ``KINDS``."""
 
-    STATUS = "status"  # call, status: WRREC or RDREC ends with this STATUS
-    BUSY = "busy"  # call, code (B5h): a temporary error of the drive
-    LATE = "late"  # milliseconds: the response takes that much longer
-    STALE = "stale"  # the response before is delivered again
-    REFERENCE = "reference"  # value
-    RESPONSE_ID = "response_id"  # value
-    DRIVE_OBJECT = "drive_object"  # value
-    COUNT = "count"  # value
-    FORMAT = "format"  # value: format of the first block
-    CUT = "cut"  # value: bytes kept
-    JUNK = "junk"  # data
-    ERROR = "error"  # number, position (0: one block for all), words, info
-    SILENCE = "silence"  # the request is swallowed, no response ever comes
+    STATUS = "status"
+    BUSY = "busy"
+    LATE = "late"
+    STALE = "stale"
+    REFERENCE = "reference"
+    RESPONSE_ID = "response_id"
+    DRIVE_OBJECT = "drive_object"
+    COUNT = "count"
+    FORMAT = "format"
+    CUT = "cut"
+    JUNK = "junk"
+    ERROR = "error"
+    SILENCE = "silence"
+
+
+KINDS: Mapping[FaultKind, tuple[str, tuple[str, ...]]] = {
+    FaultKind.STATUS: ("WRREC or RDREC ends with this STATUS", ("call", "status")),
+    FaultKind.BUSY: ("WRREC or RDREC ends with this error code, a temporary one by default", ("call", "code")),
+    FaultKind.LATE: ("the response takes that much longer", ("milliseconds",)),
+    FaultKind.STALE: ("the response before is delivered again", ()),
+    FaultKind.REFERENCE: ("the response mirrors another request reference", ("value",)),
+    FaultKind.RESPONSE_ID: ("the response has another response ID", ("value",)),
+    FaultKind.DRIVE_OBJECT: ("the response is of another drive object", ("value",)),
+    FaultKind.COUNT: ("the response has another number of parameters", ("value",)),
+    FaultKind.FORMAT: ("the first value has another format", ("value",)),
+    FaultKind.CUT: ("the response ends after that many bytes", ("value",)),
+    FaultKind.JUNK: ("other bytes come instead of the response", ("data",)),
+    FaultKind.ERROR: ("the drive refuses a parameter", ("number", "position", "words", "info")),
+    FaultKind.SILENCE: ("the request is swallowed: no response, nothing is written", ()),
+}
+"""What happens, and the keys that count for it beside ``times`` and ``after``."""
 
 
 _MIRROR_OFFSETS = {

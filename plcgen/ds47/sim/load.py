@@ -20,11 +20,20 @@ from pydantic import (
 )
 
 from plcgen.base.files.printed import Name, Printed
-from plcgen.base.files.validation import FileShape, Octets, Problems, StrictModel, load_document, problem, unique
+from plcgen.base.files.validation import (
+    FileShape,
+    Octets,
+    Problems,
+    StrictModel,
+    counting,
+    load_document,
+    problem,
+    unique,
+)
 from plcgen.ds47 import guards
 from plcgen.ds47.sim.behaviour import Behaviour
 from plcgen.ds47.sim.drive import Drive
-from plcgen.ds47.sim.faults import Fault, FaultKind
+from plcgen.ds47.sim.faults import KINDS, Fault, FaultKind
 from plcgen.ds47.sim.parameters import READY, Condition, DriveObject, SimulatedParameter, ValueLimits
 from plcgen.ds47.wire import formats
 from plcgen.ds47.wire.errors import Table
@@ -317,6 +326,12 @@ class FaultKeys(StrictModel):
     position: Byte = Field(_FAULT.position, description="which parameter fails; 0: the whole request")
     words: Literal[1, 2] = Field(_FAULT.words, description="words of the error block")
     info: Word = Field(_FAULT.info, description="its information word")
+
+    @field_validator("*")
+    @classmethod
+    def _counts(cls, value: Any, info: ValidationInfo) -> Any:
+        """Refuse a key that does nothing for the kind."""
+        return counting(value, info, KINDS)
 
     @field_validator("status")
     @classmethod

@@ -69,6 +69,12 @@ def known_words() -> list[int]:
     return sorted({*tables["local"], *(0x8000 | code for code in tables["code"])})
 
 
+def known_codes() -> tuple[tuple[int, str], ...]:
+    """Return every error code with a name of its own, ascending, and its text for a read."""
+    rows = _tables()["code"].items()
+    return tuple((code, _explain_code(code, 0, "read")[0]) for code, row in sorted(rows) if row["name"] != "reserved")
+
+
 def _direction(function_num: int, direction: Direction | None) -> Direction | None:
     known: dict[int, Direction] = {FUNCTION_READ: "read", FUNCTION_WRITE: "write"}
     return known.get(function_num, direction)

@@ -125,6 +125,11 @@ class PpiSuite:
         self.plan, self.master, self.jobs = plan, master, master.jobs
         self.prefix = f"{master.key}."
 
+    def pins(self, job: PpiJob) -> dict[str, str]:
+        """Inputs and outputs of the master's instance."""
+        names = ("execute", "busy", "done", "error", "status")
+        return {name: f'"{self.master.instance.name}".{job.pin(name)}' for name in names}
+
     def shown_name(self, job: PpiJob) -> str:
         """Its key, with several masters that of the master in front."""
         return self.plan.key(self.master, job)

@@ -8,7 +8,7 @@ from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiValue
 from plcgen.ppi.wire.codes import return_code
 from plcgen.ppi.wire.fdl import SD2
 from plcgen.ppi.words import STATES, STATUS_WORDS
-from plcgen.report.trace.face import JobEnd, JobFacts, Observed
+from plcgen.report.trace.face import JobEnd, JobFacts, JobInput, Observed
 from plcgen.report.trace.model import Contact, JobValue, Signal, Value
 from plcgen.report.trace.recorder import Derived, recorded_value, signal
 from plcgen.s7.cpu.cpu import Cpu
@@ -80,6 +80,12 @@ class PpiJobWatch:
 
     def _path(self, pin: str) -> str:
         return f'"{self._watch.master.instance.name}".{self._job.pin(pin)}'
+
+    def inputs(self) -> Iterator[JobInput]:
+        """What it writes, as the control DB has it."""
+        for value in self._job.inputs:
+            path = f'"{self._watch.plan.control_db.name}".{self._job.member}.{value.member}'
+            yield JobInput(path, value.title or value.label)
 
     def signals(self) -> Iterator[Observed]:
         """Start, state, outputs and values."""

@@ -14,17 +14,20 @@ from plcgen.base.files.validation import FileShape, StrictModel, load_document
 from plcgen.base.telegrams.decoded import DecodedTelegram
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiPlan, PpiValue
 from plcgen.ppi.recording.jobs import MasterWatch, PpiJobWatch
-from plcgen.ppi.sim import Bus, Fault, FaultKind, Station, Traffic
+from plcgen.ppi.sim import Bus, Fault, Station, Traffic
 from plcgen.ppi.sim.fault_text import FaultKeys, parse_fault
+from plcgen.ppi.sim.faults import KINDS
 from plcgen.ppi.sim.load import load_bus, set_address
 from plcgen.ppi.sim.values import decode_value
 from plcgen.ppi.texts import StreamPiece, decode_pieces
 from plcgen.ppi.traffic import TrafficText
 from plcgen.ppi.wire.address import address_text
 from plcgen.ppi.wire.areas import Area
+from plcgen.ppi.wire.codes import return_codes
 from plcgen.ppi.wire.model import FixedFrame, VariableFrame
 from plcgen.ppi.words import DRAIN_MS
-from plcgen.report.trace.face import Observed, PartnerOptions
+from plcgen.report.trace.face import FaultKind, Observed, PartnerOptions
+from plcgen.report.trace.faults import fault_kinds
 from plcgen.report.trace.model import CallShape, Contact, Direction
 from plcgen.report.trace.recorder import RecordingCpu
 from plcgen.report.trace.settings import FAULTS_SHAPE, with_faults_key
@@ -60,7 +63,7 @@ def read_faults(texts: Sequence[str], file: Path | None) -> list[Fault]:
 class PpiRecording:
     """What can be recorded of masters and jobs."""
 
-    faults = tuple(kind.value for kind in FaultKind)
+    faults = tuple(kind.value for kind in KINDS)
     fault = "silence"
     drain = DRAIN_MS
     words = ("module call", "station")
@@ -92,6 +95,13 @@ class PpiRecording:
             line.listener = partial(self._hear, master)
             hardware = PortSettings(baud=master.baud) if self.plan.target.classic else UNSET
             bus.ports[master.port] = Port(peer=line, line_baud=master.baud, hardware=hardware)
+
+    @property
+    def kinds(self) -> tuple[FaultKind, ...]:
+        """On every line, or of one station."""
+        stations = {str(one.address): one.key for master in self.plan.masters for one in master.stations}
+        codes = [(f"16#{code:02X}", meaning.text) for code, meaning in return_codes().items() if code != 0xFF]
+        return fault_kinds(FaultKeys, KINDS, {"code": codes, "station": list(stations.items())})
 
     def contents(self) -> Iterator[tuple[str, str, str]]:
         """Every address that a job accesses: ``line/2:VW100``."""

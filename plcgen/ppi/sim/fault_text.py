@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationInfo, field_validator
 
 from plcgen.base.files.options import read_fault
-from plcgen.base.files.validation import FileShape, Octets, StrictModel, problem, validate_option
+from plcgen.base.files.validation import FileShape, Octets, StrictModel, counting, problem, validate_option
 from plcgen.base.files.yaml import resolve_plain
-from plcgen.ppi.sim.faults import At, Fault, FaultKind
+from plcgen.ppi.sim.faults import KINDS, At, Fault, FaultKind
 
 MOST = 1_000_000
 _FAULT = Fault(FaultKind.SILENCE)
@@ -31,6 +31,12 @@ class FaultKeys(StrictModel):
     data: Octets = Field(_FAULT.data, description="other bytes, hexadecimal")
     item: int = Field(_FAULT.item, ge=1, le=19, description="which item is refused")
     code: int | None = Field(None, ge=1, le=0xFFFF, description="return code of the item, or error of the header")
+
+    @field_validator("*")
+    @classmethod
+    def _counts(cls, value: Any, info: ValidationInfo) -> Any:
+        """Refuse a key that does nothing for the kind."""
+        return counting(value, info, KINDS)
 
     @field_validator("code")
     @classmethod

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -25,29 +26,55 @@ At = Literal["any", "request", "poll"]
 
 
 class FaultKind(enum.Enum):
-    """What goes wrong; the comment names the fields that matter."""
+    """What goes wrong; see ``KINDS``."""
 
-    DEAF = "deaf"  # the station does not hear the frame: no answer, nothing is executed
-    SILENCE = "silence"  # the station hears and executes, but its answer is lost
-    NOT_READY = "not_ready"  # E5 to a poll although the answer is there
-    FCS = "fcs"  # value: checksum of the answer, else one too high
-    LATE = "late"  # milliseconds: the answer comes that much later
-    CUT = "cut"  # value: bytes of the answer that arrive, else all but the last two
-    GARBAGE = "garbage"  # data: comes instead of the answer
-    NOISE = "noise"  # data: comes before the answer
-    CLIPPED = "clipped"  # value (F9h): the acknowledgement E5 with its first bits lost
-    ECHO = "echo"  # the frame comes back before its answer, as from an RS-485 adapter that hears itself
-    FOREIGN = "foreign"  # an exchange of another master with another station before the answer
-    TOKEN = "token"  # noqa: S105 - token frames of other masters before the answer
-    STALE = "stale"  # the answer before comes again, else this one with the reference before
-    REFERENCE = "reference"  # value: PDU reference of the answer, else one too high
-    ADDRESS = "address"  # value: source of the answer, else the next station
-    FUNCTION = "function"  # value (02h): function code of the answer
-    NACK = "nack"  # value (01h, 02h, 03h): a short refusal instead of the answer, nothing is executed
-    COUNT = "count"  # value: item count of the answer, else one too high
-    LENGTH = "length"  # value: length of the first value of the answer, else one byte more
-    ITEM = "item"  # item, code: that item is refused with this return code
-    HEADER = "header"  # code (8404h, busy): the job is refused with this error
+    DEAF = "deaf"
+    SILENCE = "silence"
+    NOT_READY = "not_ready"
+    FCS = "fcs"
+    LATE = "late"
+    CUT = "cut"
+    GARBAGE = "garbage"
+    NOISE = "noise"
+    CLIPPED = "clipped"
+    ECHO = "echo"
+    FOREIGN = "foreign"
+    TOKEN = "token"  # noqa: S105 - of a token ring
+    STALE = "stale"
+    REFERENCE = "reference"
+    ADDRESS = "address"
+    FUNCTION = "function"
+    NACK = "nack"
+    COUNT = "count"
+    LENGTH = "length"
+    ITEM = "item"
+    HEADER = "header"
+
+
+KINDS: Mapping[FaultKind, tuple[str, tuple[str, ...]]] = {
+    FaultKind.DEAF: ("the station does not hear the frame: no answer, nothing is executed", ()),
+    FaultKind.SILENCE: ("the station hears and executes, but its answer is lost", ()),
+    FaultKind.NOT_READY: ("E5 to a poll although the answer is there", ()),
+    FaultKind.FCS: ("checksum of the answer, one too high by default", ("value",)),
+    FaultKind.LATE: ("the answer comes that much later", ("milliseconds",)),
+    FaultKind.CUT: ("so many bytes of the answer arrive, by default all but the last two", ("value",)),
+    FaultKind.GARBAGE: ("other bytes come instead of the answer", ("data",)),
+    FaultKind.NOISE: ("other bytes come before the answer", ("data",)),
+    FaultKind.CLIPPED: ("the acknowledgement E5 with its first bits lost, F9h by default", ("value",)),
+    FaultKind.ECHO: ("the frame comes back before its answer, as from an RS-485 adapter that hears itself", ()),
+    FaultKind.FOREIGN: ("an exchange of another master with another station before the answer", ("data",)),
+    FaultKind.TOKEN: ("token frames of other masters before the answer", ("data",)),
+    FaultKind.STALE: ("the answer before comes again, else this one with the reference before", ("value",)),
+    FaultKind.REFERENCE: ("PDU reference of the answer, one too high by default", ("value",)),
+    FaultKind.ADDRESS: ("source of the answer, the next station by default", ("value",)),
+    FaultKind.FUNCTION: ("function code of the answer, 02h by default", ("value",)),
+    FaultKind.NACK: ("a short refusal (01h, 02h, 03h) instead of the answer, nothing is executed", ("value",)),
+    FaultKind.COUNT: ("item count of the answer, one too high by default", ("value",)),
+    FaultKind.LENGTH: ("length of the first value of the answer, one byte more by default", ("value",)),
+    FaultKind.ITEM: ("that item is refused with this return code", ("item", "code")),
+    FaultKind.HEADER: ("the job is refused with this error, 8404h (busy) by default", ("code",)),
+}
+"""What happens, and the keys that count for it beside ``times``, ``after``, ``at`` and ``station``."""
 
 
 @dataclass(slots=True)

@@ -36,6 +36,11 @@ def return_code(code: int) -> Meaning:
     return _table()["return_code"].get(code, Meaning(f"unknown return code {code:02X}h"))
 
 
+def return_codes() -> dict[int, Meaning]:
+    """Every return code of an item that is known."""
+    return _table()["return_code"]
+
+
 def header_error(code: int) -> Meaning:
     """Explain error class and code of a header (8104h); of D6xxh the class says it."""
     known = _table()["header"]

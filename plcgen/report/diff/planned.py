@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from plcgen.project.composing import from_disk
+from plcgen.project.includes import Read
 from plcgen.project.nouns import Project
 from plcgen.project.opening import open_spec
 from plcgen.s7.compare.model import Snapshot
@@ -12,9 +14,9 @@ from plcgen.s7.read.blocks import read_texts
 from plcgen.s7.read.generated import SOURCES
 
 
-def spec_snapshot(path: Path) -> Snapshot:
+def spec_snapshot(path: Path, read: Read = from_disk) -> Snapshot:
     """State of a spec; its diagnostics are in the snapshot, without blocks if it cannot be planned."""
-    opened = open_spec(path)
+    opened = open_spec(path, read)
     project = opened.usable
     if project is None:
         return Snapshot(path.as_posix(), diagnostics=list(opened.diagnostics), jobs={})

@@ -11,12 +11,15 @@ from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.base.files.files import read_bounded
 from plcgen.build.manifest import digest
 from plcgen.build.sheet import JobInstance, ReviewSheet
+from plcgen.project.composing import from_disk
+from plcgen.project.includes import Read
 from plcgen.project.nouns import Project
 from plcgen.project.opening import open_spec
 from plcgen.proof import Asked, verify
 from plcgen.proof.effort import Faults
 from plcgen.report.diff.lock import DEFAULT, check_lock
 from plcgen.report.diff.lockfile import read_lock
+from plcgen.report.diff.planned import spec_snapshot
 from plcgen.report.diff.planned_layout import project_tables
 from plcgen.report.diff.run import compare, compare_snapshots
 from plcgen.report.review.excerpts import excerpts, sources_of
@@ -44,15 +47,15 @@ def collect(request: ReviewRequest, progress: Progress | None = None) -> Review:
     """
     if request.against:
         lock = _lock_path(request)
-        with base_files(request.against, request.spec, request.folder, lock) as base:
+        with base_files(request.against, request.spec, request.home or request.folder, lock) as base:
             return _collect(request, base, progress)
     return _collect(request, None, progress)
 
 
 def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress | None) -> Review:
     faults = cast("Faults", request.faults)
-    verification = verify(Asked(request.spec, request.folder, faults=faults), progress)
-    project = _project(request.spec)
+    verification = verify(Asked(request.spec, request.folder, faults=faults, read=request.read), progress)
+    project = _project(request.spec, request.read)
     sheet = sheet_of(project)
     missing: list[str] = [] if verification.ledger else [_NO_LEDGER]
     files = _files(request.folder)
@@ -83,9 +86,9 @@ def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress 
     )
 
 
-def _project(spec: Path) -> Project | None:
+def _project(spec: Path, read: Read = from_disk) -> Project | None:
     """The project, if the spec can be planned; why not is in the verification."""
-    return open_spec(spec).usable
+    return open_spec(spec, read).usable
 
 
 def sheet_of(project: Project | None) -> ReviewSheet:
@@ -116,7 +119,10 @@ def _files(folder: Path) -> tuple[ReviewedFile, ...]:
 def _changes(request: ReviewRequest, base: BaseFiles) -> list[tuple[str, Comparison]]:
     found: list[tuple[str, Comparison]] = []
     if base.spec is not None:
-        found.append(("the spec and what follows from it", _named(compare([base.spec], [request.spec]), base)))
+        before, after = spec_snapshot(base.spec), spec_snapshot(request.spec, request.read)
+        found.append(
+            ("the spec and what follows from it", _named(compare_snapshots(before, after, load_policy(())), base))
+        )
     if base.folder is not None and request.folder.is_dir():
         found.append(("the generated sources on disk", _named(compare([base.folder], [request.folder]), base)))
     if base.lock is not None:
@@ -183,7 +189,7 @@ def _runs(
     runs: list[RecordedRun] = []
     chosen = list(first.items())[:MAX_RUNS]
     faults = _faults(request, project)
-    simulation = Simulation(request.spec, request.folder)
+    simulation = Simulation(request.spec, request.folder, read=request.read)
     for number, (job, key) in enumerate(chosen):
         if progress is not None:
             progress(f"record {job}", number, len(chosen))

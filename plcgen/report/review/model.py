@@ -8,6 +8,8 @@ from pathlib import Path
 
 from plcgen.base.diagnostics import Diagnostic, has_errors
 from plcgen.build.sheet import ReviewSheet
+from plcgen.project.composing import from_disk
+from plcgen.project.includes import Read
 from plcgen.proof.checks import Check, Outcome, Verification
 from plcgen.proof.ledger import Assumption, Grade
 from plcgen.report.trace.model import Trace
@@ -20,7 +22,8 @@ class ReviewRequest:
     """What is reviewed, and how: ``against`` is a folder, a spec or a git revision, empty for none.
 
     ``faults`` is how much of the fault matrix runs, ``fault`` what goes wrong in the second run of every job;
-    ``lock`` a layout lock (None: the one beside the spec, if there is one).
+    ``lock`` a layout lock (None: the one beside the spec, if there is one). ``read`` gives the text of the spec, and
+    ``home`` is where a revision has the folder, if that lies elsewhere now.
     """
 
     spec: Path
@@ -29,6 +32,8 @@ class ReviewRequest:
     faults: str = "quick"
     fault: str = ""
     lock: Path | None = None
+    read: Read = from_disk
+    home: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)

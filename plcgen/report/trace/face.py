@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol, TypeAlias
 
@@ -47,12 +47,53 @@ class JobFacts:
     texts: Mapping[int, str]
 
 
+@dataclass(frozen=True, slots=True)
+class JobInput:
+    """A value that the caller gives to a job: ``path`` on the CPU, what it is, and what the catalogue says of it.
+
+    ``low`` and ``high`` are limits in ``unit``, None where nobody knows one; ``names`` are values with a name.
+    """
+
+    path: str
+    title: str = ""
+    unit: str = ""
+    low: float | None = None
+    high: float | None = None
+    names: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class FaultKind:
+    """What can go wrong: the word for it, what then happens, and the keys that count for it."""
+
+    kind: str
+    text: str
+    keys: tuple[FaultKey, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class FaultKey:
+    """A key of a fault: ``choices`` are all values that it can have, ``known`` those that have a meaning, each with it.
+
+    ``default`` is what counts without it, "" if it must be given or some wrong value is taken.
+    """
+
+    key: str
+    text: str
+    default: str = ""
+    choices: tuple[str, ...] = ()
+    known: tuple[tuple[str, str], ...] = ()
+
+
 class RecordedJob(Protocol):
     """A job on a CPU."""
 
     @property
     def facts(self) -> JobFacts:
         """What does not change."""
+
+    def inputs(self) -> Iterator[JobInput]:
+        """The values that it takes from its caller."""
 
     def signals(self) -> Iterator[Observed]:
         """What is recorded of it: ``execute``, ``state``, ``busy``, ``done``, ``error``, ``status`` and more.
@@ -100,6 +141,10 @@ class Recording(Protocol):
     @property
     def faults(self) -> Sequence[str]:
         """Kinds of faults."""
+
+    @property
+    def kinds(self) -> Sequence[FaultKind]:
+        """The same with their keys."""
 
     @property
     def fault(self) -> str:

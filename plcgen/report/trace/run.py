@@ -12,6 +12,8 @@ from typing import Literal, cast
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Report, Span
 from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.base.files.options import usage
+from plcgen.project.composing import from_disk
+from plcgen.project.includes import Read
 from plcgen.project.nouns import Project
 from plcgen.project.opening import Opened, open_spec
 from plcgen.proof.standins import stand_ins
@@ -51,14 +53,17 @@ class RunSettings:
 
 
 class Simulation:
-    """The generated files of a spec with the user's ``own`` sources, read and compiled once for any number of runs."""
+    """The generated files of a spec with the user's ``own`` sources, read and compiled once for any number of runs.
 
-    def __init__(self, spec: Path, folder: Path, own: Sequence[Path] = ()) -> None:
-        self.spec, self.folder, self.own = spec, folder, own
+    ``read`` gives the text of the spec.
+    """
+
+    def __init__(self, spec: Path, folder: Path, own: Sequence[Path] = (), read: Read = from_disk) -> None:
+        self.spec, self.folder, self.own, self.read = spec, folder, own, read
 
     @cached_property
     def _opened(self) -> Opened:
-        return open_spec(self.spec)
+        return open_spec(self.spec, self.read)
 
     @cached_property
     def program(self) -> Program:

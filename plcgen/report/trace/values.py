@@ -10,7 +10,7 @@ from plcgen.report.trace.recorder import watch
 from plcgen.report.trace.settings import TimedValue
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.layout.layout import layout_block
-from plcgen.s7.types.blocks import BlockKind
+from plcgen.s7.types.blocks import BlockKind, SectionKind
 from plcgen.s7.types.data_types import Elementary, StringType
 from plcgen.s7.types.literals import LiteralError, parse_literal
 
@@ -60,6 +60,18 @@ def valued_members(cpu: Cpu) -> Iterator[str]:
             except ValueError:
                 continue
             yield path
+
+
+def input_members(cpu: Cpu, block: str, commands: str) -> Iterator[tuple[str, str]]:
+    """Inputs of a function block that a structure of commands has too, without what starts it; with their comments."""
+    entry = cpu.program.link.find(block)
+    for member in () if entry is None else entry.block.section(SectionKind.INPUT):
+        try:
+            watch(cpu, f"{commands}.{member.name}")
+        except (KeyError, ValueError):
+            continue
+        if member.name != "execute":
+            yield member.name, member.comment or member.name
 
 
 def located(cpu: Cpu, item: TimedValue, controls: Sequence[str]) -> tuple[int, str, object] | Diagnostic:

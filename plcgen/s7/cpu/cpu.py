@@ -86,6 +86,8 @@ class Cpu:
         default: Family = "s7-300" if program.link.classic else "s7-1500"
         self.family: Family = family or default
         self.misuses: list[Misuse] = []
+        self.watchers: list[Callable[[], None]] = []
+        """Called before every scan: with what the one before it has left."""
         self.scans = 0
         self.faulted = False
         self.stopped = False
@@ -283,6 +285,8 @@ class Cpu:
         return block, (self.blocks[entry.index],)
 
     def _next(self, milliseconds: int) -> None:
+        for watcher in self.watchers:
+            watcher()
         self.scans += 1
         self.time.pass_time(milliseconds)
         if milliseconds:

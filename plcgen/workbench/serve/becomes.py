@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import threading
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,10 +23,12 @@ from plcgen.report.review.data import sheet_data
 from plcgen.report.review.excerpts import excerpts
 from plcgen.s7.read.generated import MANIFEST
 from plcgen.s7.read.text import decode_source
+from plcgen.s7.tables.panel import PanelTag
+from plcgen.workbench.service.panel import tags_of
 
 SOURCES = (".scl", ".udt", ".db")
 MAX_COMPARED = 64 * 1024 * 1024
-_ZIPPED = (1980, 1, 1, 0, 0, 0)
+FIRST_TIME = (1980, 1, 1, 0, 0, 0)
 """The time of every file in an archive: the same spec gives the same bytes."""
 
 
@@ -65,7 +68,7 @@ def sheet(made: Made) -> dict[str, Any]:
     return {
         "project": made.project.name,
         "target": f"{made.project.target.family} / {made.project.target.toolchain}",
-        **sheet_data(found),
+        **_placed(sheet_data(found), made.project, tags_of(made.project, sources(made))),
         "excerpts": [
             {
                 "block": one.block,
@@ -75,6 +78,30 @@ def sheet(made: Made) -> dict[str, Any]:
             for one in excerpts(sources(made), found.exchanges)
         ],
     }
+
+
+def _placed(sheet: dict[str, Any], project: Project, blocks: Mapping[str, Sequence[PanelTag]]) -> dict[str, Any]:
+    """The telegrams with the places of their values where a panel reaches these: a buffer in an instance has none."""
+    tags = {tag.symbolic.partition(".")[2]: tag for found in blocks.values() for tag in found}
+    members: dict[str, list[str]] = {}
+    for job in project.jobs:
+        members.setdefault(str(job.path[-1]), []).append(job.member)
+    for telegram in sheet["telegrams"]:
+        own = members.get(telegram["job"], [])
+        for field in (field for part in (telegram["request"], *telegram["answers"]) for field in part["fields"]):
+            tag = tags.get(f"{own[0]}.{field['name']}") if len(own) == 1 else None
+            if tag is not None and not field["address"]:
+                field["address"] = f"{tag.symbolic} {tag.absolute}".strip()
+    return sheet
+
+
+def panel(made: Made) -> dict[str, Any]:
+    """What a panel needs: members of the data blocks by name and address, and the flags of jobs."""
+    blocks = [
+        {"name": name, "tags": [tag._asdict() for tag in tags]}
+        for name, tags in tags_of(made.project, sources(made)).items()
+    ]
+    return {"blocks": blocks, "flags": list(_flags(made))}
 
 
 def listed(made: Made, spec: Path) -> list[dict[str, Any]]:
@@ -102,12 +129,34 @@ def shown(made: Made, spec: Path, name: str) -> dict[str, Any] | None:
     }
 
 
+def _flags(made: Made) -> Iterator[dict[str, str]]:
+    """Signals of jobs that have a flag or a symbol of their own, by the names of the tags."""
+    file = made.files.get("tags.csv")
+    lines = file.data.decode("utf-8-sig").splitlines()[1:] if file is not None else []
+    names = {row[2]: row[0] for row in csv.reader(lines, delimiter=";")}
+    for job in made.project.jobs:
+        for signal in ("execute", "busy", "done", "error", "status"):
+            found = getattr(job.trigger, signal)
+            if found is None:
+                continue
+            absolute = "" if (signal, found) in set(job.trigger.symbols()) else f"%{found}"
+            type_ = "WORD" if signal == "status" else "BOOL"
+            tag = PanelTag(names.get(absolute, str(found)), absolute, type_, f"{signal}: {job.key}")
+            yield tag._asdict()
+
+
+def guide(folder: Path) -> str:
+    """The steps of an import, as they lie in a folder."""
+    data = _on_disk(folder, "IMPORT.md")
+    return "" if data is None else data.decode("utf-8", "replace")
+
+
 def zipped(made: Made, spec: Path) -> bytes:
     """All files in one archive, below the name of their folder."""
     target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, file in made.files.items():
-            info = zipfile.ZipInfo(f"{default_folder(spec).name}/{name}", _ZIPPED)
+            info = zipfile.ZipInfo(f"{default_folder(spec).name}/{name}", FIRST_TIME)
             info.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(info, file.data)
     return target.getvalue()

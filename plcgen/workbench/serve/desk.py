@@ -15,15 +15,15 @@ from plcgen.base.display.data import diagnostics_data
 from plcgen.base.files.files import below, refusal
 from plcgen.project.below import specs_below
 from plcgen.report.trace.run import Simulation
-from plcgen.workbench.serve import becomes, proving, spec, tools
+from plcgen.workbench.serve import becomes, guarding, proving, spec, starting, tools
 from plcgen.workbench.serve.becomes import Made, Maker
 from plcgen.workbench.serve.page import has_editor
+from plcgen.workbench.serve.proving import Typed
 from plcgen.workbench.serve.room import MAX_LISTED, Room, digest, wrong
 from plcgen.workbench.serve.running import MAX_SCANS, Live
 from plcgen.workbench.serve.tools import MAX_DROPPED
 from plcgen.workbench.serve.working import Worker
 from plcgen.workbench.service.documents import Document
-from plcgen.workbench.service.panel import tags_of
 from plcgen.workbench.service.specs.form import put_in
 from plcgen.workbench.service.workspace import Workspace
 
@@ -115,6 +115,13 @@ class Words(Body):
     text: str = Field(max_length=200_000)
 
 
+class Strike(Body):
+    """A kind of fault with its keys, as they were typed."""
+
+    kind: str = Field(max_length=40)
+    keys: dict[str, str] = Field(max_length=12)
+
+
 class Prove(Text):
     """What is verified, and how much."""
 
@@ -147,6 +154,19 @@ class Pair(Files):
     """Old and new files."""
 
     old: dict[str, str] = Field(max_length=MAX_DROPPED)
+
+
+class Audit(Text):
+    """Files that are held against a spec."""
+
+    files: dict[str, str] = Field(max_length=MAX_DROPPED)
+
+
+class Lists(Text):
+    """Text lists for a panel: languages and formats."""
+
+    languages: list[str] = Field(max_length=20)
+    formats: list[Literal["xlsx", "xml", "csv"]] = Field(max_length=3)
 
 
 class Convert(Files):
@@ -182,13 +202,16 @@ class Desk:
             "specs": names[:MAX_LISTED],
             "version": __version__,
             "editor": has_editor(),
-            **spec.choices(),
+            **starting.choices(),
         }
 
     def read(self, asked: File) -> dict[str, Any]:
         """The text of a spec."""
-        text = self.room.read(asked.name)
-        return {"name": asked.name, "text": text, "known": digest(self.room.find(asked.name).read_bytes())}
+        text, path = self.room.read(asked.name), self.room.find(asked.name)
+        with self._lock:
+            for other in (one.path for one in self.workspace.documents if one.path != path):
+                self.workspace.close(other)  # what was typed there and not saved is given up
+        return {"name": asked.name, "text": text, "known": digest(path.read_bytes())}
 
     def save(self, asked: Save) -> dict[str, Any]:
         """Save a spec."""
@@ -201,7 +224,7 @@ class Desk:
         path = self.room.find(asked.name)
         if path.exists():
             raise wrong(asked.name, "the file exists", "choose another name")
-        return {"name": asked.name, "text": spec.new_spec(path.name, asked.given, path.parent), "known": ""}
+        return {"name": asked.name, "text": starting.new_spec(path.name, asked.given, path.parent), "known": ""}
 
     # --- the text --------------------------------------------------------------------------------------------
 
@@ -289,7 +312,13 @@ class Desk:
         """Telegrams, write list and files."""
         made, path = self.made(asked), self.room.find(asked.name)
         folder = self.room.shown(api.default_folder(path).as_posix())
-        return {**becomes.sheet(made), "folder": folder, "files": becomes.listed(made, path)}
+        return {
+            **becomes.sheet(made),
+            "folder": folder,
+            "path": str(api.default_folder(path)),
+            "spec": str(path),
+            "files": becomes.listed(made, path),
+        }
 
     def part(self, asked: Part) -> dict[str, Any]:
         """One generated file."""
@@ -299,10 +328,8 @@ class Desk:
         return found
 
     def tags(self, asked: Text) -> dict[str, Any]:
-        """What a panel needs: members of the data blocks by name and address."""
-        made = self.made(asked)
-        found = tags_of(made.project, becomes.sources(made))
-        return {"blocks": [{"name": name, "tags": [tag._asdict() for tag in tags]} for name, tags in found.items()]}
+        """What a panel needs."""
+        return becomes.panel(self.made(asked))
 
     def write(self, asked: Save) -> dict[str, Any]:
         """Save the spec and generate its folder, as ``plcgen generate`` does."""
@@ -314,6 +341,8 @@ class Desk:
             **diagnostics_data("generate", done.diagnostics),
             "problems": [spec.problem_data(one, self.room.shown) for one in done.diagnostics],
             "folder": self.room.shown(done.folder.as_posix()),
+            "path": str(done.folder),
+            "guide": becomes.guide(done.folder) if done.ok else "",
             "written": list(done.written),
             "unchanged": len(done.unchanged),
             "removed": list(done.removed),
@@ -321,20 +350,16 @@ class Desk:
 
     # --- run, verify, review ---------------------------------------------------------------------------------
 
-    def _saved(self, asked: Text) -> Path:
-        """Path of a spec whose text is saved: what runs it reads the file. Raises DiagnosticError."""
-        path = self.room.find(asked.name)
-        if not path.is_file() or self.room.read(asked.name) != asked.text.replace("\r\n", "\n"):
-            raise wrong(asked.name, "the spec is not saved", "save it first (Ctrl+S)")
-        return path
+    def _typed(self, asked: Text) -> Typed:
+        return Typed(self.room.find(asked.name), asked.text)
 
-    def _files(self, asked: Load | Prove | Again | Against, path: Path) -> Path:
-        return proving.folder_of(path, asked.origin, lambda: self.made(asked), self.bench)
+    def _files(self, asked: Load | Prove | Again | Against) -> Path:
+        return proving.folder_of(self.room.find(asked.name), asked.origin, lambda: self.made(asked), self.bench)
 
     def load(self, asked: Load) -> dict[str, Any]:
         """Load the program into the soft CPU."""
-        path = self._saved(asked)
-        return self.live.load(Simulation(path, self._files(asked, path)), asked.scan_time)
+        typed = self._typed(asked)
+        return self.live.load(Simulation(typed.path, self._files(asked), read=typed.read), asked.scan_time)
 
     def step(self, asked: Steps) -> dict[str, Any]:
         """Some scans."""
@@ -344,22 +369,19 @@ class Desk:
         """Set a value."""
         return self.live.put(asked.text)
 
-    def strike(self, asked: Words) -> dict[str, Any]:
+    def strike(self, asked: Strike) -> dict[str, Any]:
         """Let something go wrong."""
-        return self.live.strike(asked.text)
+        return self.live.strike(asked.kind, asked.keys)
 
     def verify(self, asked: Prove) -> dict[str, Any]:
         """Begin to verify."""
-        path = self._saved(asked)
-        folder = self._files(asked, path)
-        return self.worker.start(lambda progress: proving.verified(path, folder, asked.faults, progress))
+        typed, folder = self._typed(asked), self._files(asked)
+        return self.worker.start(lambda progress: proving.verified(typed, folder, asked.faults, progress))
 
     def review(self, asked: Against) -> dict[str, Any]:
         """Begin to make the page of a review."""
-        path, base = self._saved(asked), self._base(asked.base)
-        revision = bool(base) and base == asked.base  # git knows the folder on disk alone
-        folder = api.default_folder(path) if revision else self._files(asked, path)
-        return self.worker.start(lambda progress: self._kept(proving.reviewed(path, folder, base, progress)))
+        typed, folder, base = self._typed(asked), self._files(asked), self._base(asked.base)
+        return self.worker.start(lambda progress: self._kept(proving.reviewed(typed, folder, base, progress)))
 
     def _kept(self, found: dict[str, Any]) -> dict[str, Any]:
         """The page of a result gets an address of its own: its policy is another one."""
@@ -386,13 +408,38 @@ class Desk:
 
     def replay(self, asked: Again) -> dict[str, Any]:
         """The run of a check that failed."""
-        path = self._saved(asked)
-        found = proving.replayed(path, self._files(asked, path), asked.check, asked.scenario)
+        found = proving.replayed(self._typed(asked), self._files(asked), asked.check, asked.scenario)
         if found is None:
             raise wrong(asked.check, "there is no such run", "verify again")
         return found
 
+    # --- the lock, texts -------------------------------------------------------------------------------------
+
+    def lock(self, asked: Text) -> dict[str, Any]:
+        """How the text stands to the layout lock beside the spec."""
+        return guarding.compared(self._typed(asked), self.room)
+
+    def relock(self, asked: Save) -> dict[str, Any]:
+        """Save the spec and write the lock of it."""
+        known = self.save(asked)
+        done = api.lock(self.room.find(asked.name), out=guarding.lock_of(self.room.find(asked.name)))
+        problems = [spec.problem_data(one, self.room.shown) for one in done.diagnostics]
+        return {**known, "ok": done.ok, "blocks": done.blocks, "changed": done.changed, "problems": problems}
+
+    def texts(self, asked: Lists) -> dict[str, Any]:
+        """Text lists for a panel, as an archive."""
+        made = self.made(asked)
+        return {"data": guarding.text_archive(made, asked.languages, asked.formats), "name": "HMITextLists.zip"}
+
     # --- tools -----------------------------------------------------------------------------------------------
+
+    def look(self, asked: Files) -> dict[str, Any]:
+        """What dropped files are, and the lines of those that hold telegrams or codes."""
+        return tools.look(asked.files)
+
+    def audit(self, asked: Audit) -> dict[str, Any]:
+        """Hand-written blocks against the spec of the editor."""
+        return tools.audit(self._typed(asked), asked.files)
 
     def explain(self, asked: Words) -> dict[str, Any]:
         """What a telegram, a STATUS, a code, a message or a parameter means."""

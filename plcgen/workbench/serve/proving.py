@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
-from plcgen import api
 from plcgen.api import default_folder
 from plcgen.base.display.view import PLAIN
 from plcgen.build.writing import write_folder
+from plcgen.project.composing import from_disk
 from plcgen.project.opening import open_spec
-from plcgen.proof.checks import Outcome, Verification
+from plcgen.proof import Asked, verify
+from plcgen.proof.checks import Outcome
 from plcgen.proof.data import verification_data
 from plcgen.proof.effort import Faults
 from plcgen.proof.replay import replay
 from plcgen.report.registry import output_format
+from plcgen.report.review.collect import collect
+from plcgen.report.review.model import ReviewRequest
 from plcgen.workbench.serve.becomes import Made
 from plcgen.workbench.serve.working import Progress
 
@@ -31,21 +34,32 @@ def folder_of(spec: Path, origin: Origin, made: Callable[[], Made], bench: Path)
     return target
 
 
-def verified(spec: Path, folder: Path, faults: Faults, progress: Progress) -> dict[str, Any]:
+class Typed(NamedTuple):
+    """A spec as the editor has it, saved or not; what it includes is read from disk."""
+
+    path: Path
+    text: str
+
+    def read(self, path: Path, file: str) -> str:
+        """Text of a file of the spec. Raises DiagnosticError."""
+        return self.text if path == self.path else from_disk(path, file)
+
+
+def verified(spec: Typed, folder: Path, faults: Faults, progress: Progress) -> dict[str, Any]:
     """Verify, and name the scenarios of each check that failed."""
-    found: Verification = api.verify(spec, folder, faults=faults, progress=progress)
+    found = verify(Asked(spec.path, folder, faults=faults, read=spec.read), progress)
     data = verification_data(found)
     for group, shown in zip(found.groups, data["groups"], strict=True):
         for check, row in zip(group.checks, shown["checks"], strict=True):
             row["failed"] = [trial.scenario for trial in check.trials if not trial.ok]
-            row["runs"] = check.outcome is Outcome.ERROR and check.id.partition(".")[0] in {"run", "faults"}
+            row["runs"] = check.outcome is Outcome.ERROR and check.id.partition(".")[0] in {"run", "faults", "together"}
             row["tried"] = len(check.trials)
     return data
 
 
-def replayed(spec: Path, folder: Path, check: str, scenario: str) -> dict[str, Any] | None:
-    """The calls of a scenario that failed."""
-    found = replay(open_spec(spec).sound(), folder, check, scenario)
+def replayed(spec: Typed, folder: Path, check: str, scenario: str) -> dict[str, Any] | None:
+    """The scans of a scenario that failed."""
+    found = replay(open_spec(spec.path, spec.read).sound(), folder, check, scenario)
     if found is None:
         return None
     failure = found.failure
@@ -54,23 +68,24 @@ def replayed(spec: Path, folder: Path, check: str, scenario: str) -> dict[str, A
         "failure": None
         if failure is None
         else {"text": failure.message, "scan": failure.scan, "file": Path(failure.file).name, "line": failure.line},
-        "calls": [
-            [one.scan, one.time, one.execute, one.busy, one.done, one.error, f"{one.status:04X}"] for one in found.calls
-        ],
+        "scans": found.scans,
+        "jobs": {
+            key: [[scan, *now[:-1], f"{now.status:04X}"] for scan, now in signals.items()]
+            for key, signals in found.jobs.items()
+        },
         "exchanges": [
-            {"scan": one.scan, "direction": direction, "hex": data.hex(" ").upper()}
-            for one in found.calls
-            for direction, data in one.exchanged
+            {"scan": one.scan, "direction": one.direction, "hex": one.data.hex(" ").upper()} for one in found.exchanges
         ],
     }
 
 
-def reviewed(spec: Path, folder: Path, base: str, progress: Progress) -> dict[str, Any]:
+def reviewed(spec: Typed, folder: Path, base: str, progress: Progress) -> dict[str, Any]:
     """The page of a review. Raises DiagnosticError if there is nothing to compare with under that name."""
-    found = api.review(spec, folder, against=base, progress=progress)
+    request = ReviewRequest(spec.path, folder, base, read=spec.read, home=default_folder(spec.path))
+    found = collect(request, progress)
     format_ = output_format("html")
     assert format_ is not None  # noqa: S101 - it is shipped
     page = format_.render("review", found, PLAIN)
-    for private in (folder.parent, spec.parent):  # the page is handed on
+    for private in (folder.parent, spec.path.parent):  # the page is handed on
         page = page.replace(f"{private.as_posix()}/", "")
-    return {"page": page, "ok": found.ok, "name": f"{spec.stem}_review.html"}
+    return {"page": page, "ok": found.ok, "name": f"{spec.path.stem}_review.html"}

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from plcgen.base.diagnostics import Report
 from plcgen.base.files.options import usage
 from plcgen.report.trace.data import trace_data
+from plcgen.report.trace.face import JobInput, RecordedJob
+from plcgen.report.trace.recorder import recorded_value, watch
 from plcgen.report.trace.run import Run, RunSettings, Simulation
 from plcgen.report.trace.settings import all_right, parse_timed_value
 from plcgen.report.trace.values import located, valued_members
+from plcgen.s7.types.data_types import ArrayType
+from plcgen.s7.types.spelling import type_text
 
 MAX_SCANS = 200
 """Scans of one request."""
 MAX_STEPS = 4000
 """Steps that a run keeps: beyond it, it ends."""
 MAX_MEMBERS = 3000
+MAX_ELEMENTS = 16
+"""Of an array at an input."""
 
 
 class Live:
@@ -39,12 +46,24 @@ class Live:
                 "number": self.number,
                 "target": found["target"],
                 "jobs": [
-                    {"key": job.facts.key, "partner": job.facts.partner, "execute": job.facts.execute}
+                    {
+                        "key": job.facts.key,
+                        "partner": job.facts.partner,
+                        "execute": job.facts.execute,
+                        "inputs": list(_inputs(run, job.job)),
+                    }
                     for job in run.jobs
                 ],
                 "members": [path for path, _ in zip(_settable(run), range(MAX_MEMBERS), strict=False)],
-                "faults": sorted({kind for recording in run.recordings for kind in recording.faults}),
-                "example": run.recordings[0].fault,
+                "faults": [
+                    {
+                        "kind": kind.kind,
+                        "text": kind.text,
+                        "keys": [asdict(key) for key in kind.keys],
+                    }
+                    for recording in run.recordings
+                    for kind in recording.kinds
+                ],
                 **self._now(run),
             }
 
@@ -71,11 +90,15 @@ class Live:
                 run.cpu[path] = value
             return self._now(run)
 
-    def strike(self, text: str) -> dict[str, Any]:
+    def strike(self, kind: str, keys: Mapping[str, str]) -> dict[str, Any]:
         """One more fault, for the protocol that knows its kind. Raises DiagnosticError."""
         with self._lock:
             run = self._loaded()
-            kind = text.partition(":")[0]
+            given = {key: value.strip() for key, value in keys.items() if value.strip()}
+            wrong = next((value for value in (kind, *given, *given.values()) if set(value) & set(",:=")), None)
+            if wrong is not None:
+                raise usage(f"fault {kind}", f'"{wrong}" is no value', "a number, bytes in hexadecimal, or a word")
+            text = f"{kind}:{','.join(f'{key}={value}' for key, value in given.items())}"
             known = [recording for recording in run.recordings if kind in recording.faults]
             for recording in known or run.recordings[:1]:
                 recording.strike(text)
@@ -99,9 +122,42 @@ class Live:
             "steps": found["steps"],
             "results": found["jobs"],
             "signals": fresh,
+            "inputs": {path: _shown(run.cpu[path]) for job in run.jobs for path, _ in _elements(run, job.job)},
             "partners": [list(one) for recording in run.recordings for one in recording.contents()],
             "diagnostics": found["diagnostics"],
         }
+
+
+def _elements(run: Run, job: RecordedJob) -> Iterator[tuple[str, JobInput]]:
+    """Paths of the single values of each input: of an array the first ones."""
+    for one in job.inputs():
+        value = run.cpu[one.path]
+        if isinstance(value, list):
+            _, type_ = watch(run.cpu, one.path)
+            first = type_.bounds[0][0] if isinstance(type_, ArrayType) else 0
+            yield from ((f"{one.path}[{first + place}]", one) for place in range(min(len(value), MAX_ELEMENTS)))
+        elif not isinstance(value, dict):
+            yield one.path, one
+
+
+def _inputs(run: Run, job: RecordedJob) -> Iterator[dict[str, Any]]:
+    """The values that a job takes, each with its type as SCL names it and what is known of it."""
+    for path, one in _elements(run, job):
+        yield {
+            "path": path,
+            "name": path.replace('"', "").partition(".")[2].partition(".")[2] or path,
+            "type": type_text(watch(run.cpu, path)[1]),
+            "title": one.title,
+            "unit": one.unit,
+            "low": one.low,
+            "high": one.high,
+            "names": [[name, number] for name, number in one.names.items()],
+        }
+
+
+def _shown(value: Any) -> str:
+    found = recorded_value(value)
+    return str(found).upper() if isinstance(found, bool) else str(found)
 
 
 def _settable(run: Run) -> Iterator[str]:

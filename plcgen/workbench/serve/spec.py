@@ -6,18 +6,15 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from plcgen.base.diagnostics import Diagnostic, Severity, Span
-from plcgen.ds47.devices import Catalogue, device_names
-from plcgen.s7.types.families import FAMILIES
-from plcgen.workbench.serve.room import Room, wrong
+from plcgen.base.diagnostics import Diagnostic, Span
+from plcgen.workbench.serve.room import Room
 from plcgen.workbench.service.documents import Document as Opened
 from plcgen.workbench.service.positions import from_units, to_units
 from plcgen.workbench.service.results import Edit, Finding
 from plcgen.workbench.service.specs.drives import drives_at, known_drive
-from plcgen.workbench.service.specs.jobs import drive_forms, job_offers
+from plcgen.workbench.service.specs.jobs import job_offers
 from plcgen.workbench.service.specs.search import search as searched
 from plcgen.workbench.service.specs.state import SpecState
-from plcgen.workbench.starter import ppi_starter, starter
 
 
 def problem_data(diagnostic: Diagnostic, rename: Callable[[str], str] = str) -> dict[str, Any]:
@@ -82,7 +79,15 @@ def outline(state: SpecState) -> dict[str, Any]:
     jobs = [{"key": key, "drives": _of(state, path), "path": list(path)} for path, key in state.names("jobs")]
     stations = [{"key": str(path[-1]), "line": str(path[1])} for path, _ in state.names("ppi", "*", "stations")]
     jobs += [{"key": key, "drives": [], "path": list(path)} for path, key in state.names("ppi", "*", "jobs")]
-    return {"drives": drives, "jobs": jobs, "stations": stations}
+    project = state.project
+    return {
+        "drives": drives,
+        "jobs": jobs,
+        "stations": stations,
+        "lines": [key for _, key in state.names("ppi")],
+        "recipes": [key for _, key in state.names("recipes")],
+        "family": project.target.family if project is not None else "",
+    }
 
 
 def _of(state: SpecState, path: Sequence[str | int]) -> list[str]:
@@ -98,37 +103,3 @@ def search(state: SpecState, job: str, words: str) -> dict[str, Any]:
 def kinds(state: SpecState, partner: str) -> list[dict[str, Any]]:
     """The kinds of jobs of a drive, or of a station as ``line/station``, with the reason of those that it lacks."""
     return [asdict(one) for one in job_offers(state, partner)]
-
-
-def new_spec(name: str, given: dict[str, str], folder: Any) -> str:
-    """The text of a starter spec."""
-    from plcgen.base.diagnostics import DiagnosticError, Report
-    from plcgen.project.target import combination_problem
-
-    family, tool = given.get("family", "s7-1500"), given.get("toolchain", "tia-v17")
-    problem = combination_problem(family, tool) if family in FAMILIES else f"{family} is no family"
-    if problem:
-        raise wrong(name, problem)
-    if given.get("device") == "ppi":
-        return ppi_starter(name, family, tool)
-    report = Report()
-    device = Catalogue(folder).find(given.get("device", ""), Span(name), report)
-    if device is None:
-        raise DiagnosticError(report)
-    return starter(name, device, family, tool)
-
-
-def choices() -> dict[str, Any]:
-    """What the forms offer."""
-    from typing import get_args
-
-    from plcgen.ds47.devices import find_device
-    from plcgen.project.schema import Toolchain
-
-    return {
-        "devices": [{"key": key, "title": find_device(key).title} for key in device_names()],
-        "families": list(FAMILIES),
-        "toolchains": list(get_args(Toolchain)),
-        "kinds": [form.kind for form in drive_forms()],
-        "severities": [severity.label for severity in reversed(Severity)],
-    }

@@ -22,13 +22,20 @@ from plcgen.base.paths import trap_in
 from plcgen.base.telegrams.decoded import telegram_data
 from plcgen.base.telegrams.hexbytes import HexError, parse_hex
 from plcgen.ds47.texts import status_answer
+from plcgen.proof.audited import audit_files
 from plcgen.report.registry import output_format
 from plcgen.s7.compare.data import comparison_data
+from plcgen.workbench.serve.proving import Typed
 from plcgen.workbench.serve.spec import problem_data
 
 MAX_DROPPED = 200
+MAX_LOOKED, MAX_TELEGRAM, MAX_LINES = 64 * 1024, 512, 100
 Dropped = Mapping[str, str]
 """Names of files with their bytes in Base64."""
+_EXPLAINED = re.compile(
+    r"(?:(?:DW)?(?:16)?#)?(?:[0-9A-F]{2}[\s_,.:-]*)+(?:>\s*(?:[0-9A-F]{2}[\s_,.:-]*)+)?|[FANCrpP]\d{2,5}|PG\d{3}|0x[0-9A-F]+",
+    re.IGNORECASE,
+)
 _STATUS = re.compile(r"(?:DW#)?16#[0-9A-F_]{8,9}|[CD][EFB][0-9A-F]{6}", re.IGNORECASE)
 
 
@@ -56,6 +63,41 @@ def laid(*groups: Dropped) -> Iterator[list[Path]]:
 
 def _problems(found: tuple[Diagnostic, ...], folder: Path) -> list[dict[str, Any]]:
     return [problem_data(one, lambda file: file.removeprefix(f"{folder.as_posix()}/")) for one in found]
+
+
+def look(files: Dropped) -> dict[str, Any]:
+    """What is in each file: lines that ``explain`` takes, or blocks; the lines of all of them."""
+    kinds, lines = {}, []
+    with laid(files) as (folder,):
+        for path in _each(folder):
+            found = _lines(path.read_bytes()[:MAX_LOOKED])
+            kinds[path.relative_to(folder).as_posix()] = "lines" if found else "blocks"
+            lines += found
+    return {"files": kinds, "lines": lines[:MAX_LINES]}
+
+
+def _lines(data: bytes) -> list[str]:
+    """The lines of a text with nothing but telegrams, STATUS values and codes, or the bytes of one telegram."""
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = ""
+    if not text.isprintable() and set(text) & {chr(code) for code in (*range(9), *range(14, 32))}:
+        text = ""
+    if not text and 4 <= len(data) <= MAX_TELEGRAM:
+        return [] if data[:2] in {b"\xff\xfe", b"\xfe\xff", b"PK"} else [data.hex(" ").upper()]
+    found = [line.strip() for line in text.splitlines() if line.strip()]
+    return found if found and all(_EXPLAINED.fullmatch(line) for line in found) else []
+
+
+def audit(typed: Typed, files: Dropped) -> dict[str, Any]:
+    """Hand-written blocks and calls against the spec as it is typed."""
+    with laid(files) as (folder,):
+        found = audit_files(_each(folder), typed.path, typed.read)
+        format_ = output_format("text")
+        assert format_ is not None  # noqa: S101 - it is shipped
+        text = format_.render("verification", found, PLAIN).replace(f"{folder.as_posix()}/", "")
+        return {"text": text, "ok": found.ok, "problems": _problems(tuple(found.outside), folder)}
 
 
 def layout(files: Dropped) -> dict[str, Any]:

@@ -27,7 +27,9 @@ class Task:
     toolchain: str
     added: tuple[tuple[str, str, str, str], ...] = ()
     kind: str = ""
+    every: str = ""
     seen: str = ""
+    named: str = ""
 
 
 TASKS = {
@@ -45,7 +47,12 @@ TASKS = {
     "save to ROM": Task("sinamics-s120", "s7-1500", "tia-v19", kind="save", seen="save: drive_object"),
     "an MM440 on PROFIBUS": Task("micromaster-4", "s7-300", "step7-v5", seen="P1120"),
     "a DCM as in the FAQ": Task("sinamics-dcm", "s7-300", "tia-v16", seen="P50304"),
-    "log an S7-200": Task("ppi", "s7-1200", "tia-v19", kind="read", seen="VW200"),
+    "log an S7-200": Task(
+        "ppi", "s7-1200", "tia-v19", kind="read", every="2s", seen="read: [VW100], cycle: 2s", named="tank"
+    ),
+    "a recipe": Task(
+        "sinamics-s120", "s7-1200", "tia-v19", kind="write_recipe", seen="write_recipe: recipe1", named="winder"
+    ),
     "a drive of another maker": Task("profidrive", "s7-1500", "tia-v18"),
 }
 
@@ -68,10 +75,12 @@ def browser(folder: Path, tmp_path: Path) -> Iterator[Page]:
         assert found.problems == []
 
 
-def begin(browser: Page, device: str, family: str, toolchain: str) -> None:
+def begin(browser: Page, device: str, family: str, toolchain: str, named: str = "") -> None:
     """The dialog for a new spec."""
     for name, value in (("device", device), ("family", family), ("toolchain", toolchain)):
         browser.fill(f"#dialog select[name={name}]", value)
+    if named:
+        browser.fill("#dialog input[name=key]", named)
     browser.click("#dialog button", "Create")
     browser.wait("!document.querySelector('#dialog')?.open")
     browser.wait("document.querySelectorAll('#jobs .row').length")
@@ -83,7 +92,9 @@ def finish(browser: Page) -> None:
     browser.evaluate("document.querySelector('#notices').replaceChildren()")
     browser.click("#write")
     browser.click("#write-now")
-    browser.sees("#notices", "written")
+    browser.sees("#dialog", "written")
+    browser.sees("#guide", "how to import")
+    browser.click("#written-close")
     browser.click("#tab-verify")
     browser.fill("#verify-files", "disk")
     browser.fill("#effort", "none")
@@ -96,7 +107,7 @@ def finish(browser: Page) -> None:
 def test_a_job_is_done_through_the_page_alone(name: str, browser: Page, folder: Path) -> None:
     """A new spec, the form, files that are written and verified; what was wanted is in them."""
     task = TASKS[name]
-    begin(browser, task.device, task.family, task.toolchain)
+    begin(browser, task.device, task.family, task.toolchain, task.named)
     for job, words, parameter, button in task.added:
         browser.fill("#target", f"jobs/{job}")
         browser.fill("#search", words)
@@ -108,8 +119,11 @@ def test_a_job_is_done_through_the_page_alone(name: str, browser: Page, folder: 
         browser.wait("!document.querySelector('#problems .error')")
     if task.kind:
         browser.click(".adding summary", "Add job")
-        browser.evaluate(f"""(() => {{ const kind = [...document.querySelectorAll("#jobs .adding select")].at(-1);
-          kind.value = "{task.kind}"; kind.closest("form").querySelector("button").click(); }})()""")
+        if task.every:
+            browser.fill("#job-start", "cycle")
+            browser.fill("#job-when", task.every)
+        browser.click(f"#job-kinds label:has([value={task.kind}]:enabled)")
+        browser.click("#jobs .adding button", "Create")
         browser.sees("#jobs .row", "job1")
     finish(browser)
     spec = folder / "job.yaml"
@@ -118,8 +132,8 @@ def test_a_job_is_done_through_the_page_alone(name: str, browser: Page, folder: 
     browser.click("#tab-becomes")
     browser.click(".views button", "Telegrams")
     browser.wait("document.querySelectorAll('.byte').length")
-    if task.seen:
-        assert task.seen in spec.read_text("utf-8")
+    for seen in (task.seen, task.named):
+        assert seen in spec.read_text("utf-8")
 
 
 def test_a_change_is_compared_with_the_revision_before(browser: Page, folder: Path) -> None:

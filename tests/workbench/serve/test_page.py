@@ -144,8 +144,11 @@ def test_files_are_written_when_it_is_confirmed(browser: Page, folder: Path) -> 
     browser.click("#dialog button", "Cancel")
     assert not made.exists()
     browser.click("#write")
+    browser.sees("#dialog", str(made))
     browser.click("#write-now")
-    browser.sees("#notices", "written")
+    browser.sees("#written-path", str(made))
+    browser.sees("#guide li", "Add new external file")
+    browser.click("#written-close")
     assert (made / "manifest.json").is_file()
     browser.wait("document.querySelectorAll('#side .file').length && !document.querySelector('#side .new')")
     browser.click(".views button", "Work list")
@@ -162,6 +165,7 @@ def test_a_run_is_watched_and_changed(browser: Page) -> None:
     browser.sees("#run-jobs", "done 0000")
     browser.click("#wire .row", "change P1120")
     browser.sees("#decoded", "parameter 1 parameter number")
+    browser.fill("#run-jobs [aria-label=rampUpTime]", "2.5")
     browser.fill("#partners input[aria-label='pump.r21']", "777.0")
     browser.click('[data-job="read_speed"]')
     browser.click("#run")
@@ -169,6 +173,16 @@ def test_a_run_is_watched_and_changed(browser: Page) -> None:
     browser.click("#run", "Pause")
     scan = browser.text("#scan")
     browser.wait(f"document.querySelector('#run').innerText === 'Run' && {json.dumps(scan)} !== ''")
+    browser.fill("#fault-kind", "error")
+    browser.evaluate("document.querySelectorAll('.fault-keys input')[0].value = '16#11'")
+    browser.click("#inject")
+    browser.sees("#struck", "error")
+    browser.click('[data-job="set_ramps"]')  # off, then on again: with the ramp that was typed
+    browser.click('[data-job="set_ramps"]')
+    for _ in range(6):
+        browser.click("#ten")
+    browser.sees("#run-jobs", "error 8401")
+    browser.sees("#wire", "P1120 := 2.5")
 
 
 def test_verification_ends_with_a_verdict(browser: Page) -> None:
@@ -184,7 +198,7 @@ def test_a_failed_check_opens_its_run(browser: Page, folder: Path) -> None:
     """A source that was changed by hand: the run is drawn, with the scan in which it failed."""
     browser.click("#write")
     browser.click("#write-now")
-    browser.sees("#notices", "written")
+    browser.click("#written-close")
     (source,) = (folder / "s7-1500_g120_pn_generated").glob("*.scl")
     broken = source.read_text("utf-8").replace("#done := #tempResult = #STATUS_DONE;", "#done := FALSE;")
     assert broken != source.read_text("utf-8")
@@ -197,6 +211,8 @@ def test_a_failed_check_opens_its_run(browser: Page, folder: Path) -> None:
     browser.click(".open-run", "Open run")
     browser.sees(".replay", "scan ")
     browser.wait("!!document.querySelector('.replay canvas')")
+    browser.click(".open-line")
+    browser.wait("document.querySelector('.code .marked')?.innerText.includes('done')")
 
 
 def test_the_review_page_is_shown(browser: Page) -> None:
@@ -208,7 +224,7 @@ def test_the_review_page_is_shown(browser: Page) -> None:
 
 
 def test_what_is_dropped_is_laid_out_and_what_is_pasted_explained(browser: Page) -> None:
-    """A data block dropped onto any tab; a telegram with its parameter, a STATUS."""
+    """A data block dropped onto any tab is laid out; a telegram in a file or as text, a STATUS, are explained."""
     source = (ROOT / "docs" / "pictures" / "conveyor.awl").read_text("utf-8")
     browser.evaluate(f"""(() => {{
       const data = new DataTransfer();
@@ -216,8 +232,15 @@ def test_what_is_dropped_is_laid_out_and_what_is_pasted_explained(browser: Page)
       document.querySelector("#editor").dispatchEvent(new DragEvent("drop", {{ dataTransfer: data, bubbles: true }}));
     }})()""")
     browser.sees("#dropped", "conveyor.awl")
-    browser.click("#do-layout")
     browser.wait("!!document.querySelector('#tool-result iframe')")
+    browser.click("#dropped button", "Clear")
+    for put in ("items.add(new File(['03 01 02 01 10 01 C4 7F 00 00'], 'a.txt'))", "setData('text/plain', 'DF80B500')"):
+        browser.evaluate(f"""(() => {{
+          const data = new DataTransfer();
+          data.{put};
+          document.querySelector("nav").dispatchEvent(new DragEvent("drop", {{ dataTransfer: data, bubbles: true }}));
+        }})()""")
+        browser.sees("#tool-result", "50303" if "File" in put else "state conflict")
     browser.fill("#paste", "03 01 02 01 10 01 C4 7F 00 00\nDF80B500")
     browser.click("#do-explain")
     browser.sees("#tool-result", "50303")
@@ -234,6 +257,102 @@ def test_labels_and_colours_change(browser: Page) -> None:
     browser.click("#language")
     browser.sees("#tab-verify", "Verify")
     assert text(browser) == before
+
+
+@needs_editor
+def test_one_history_for_the_editor_and_the_form(browser: Page) -> None:
+    """A parameter from the form, a word typed: each goes and comes back by its key, wherever the focus is."""
+    before = text(browser)
+    browser.fill("#target", "jobs/read_speed")
+    browser.fill("#search", "torque")
+    browser.click("#results .hit:has(b) button", "+ read")
+    browser.wait("[...document.querySelectorAll('.cm-line')].some((one) => /actual_speed, /.test(one.textContent))")
+    added = text(browser)
+    browser.press("z", "Control")  # the focus is on the button of the form
+    browser.wait("[...document.querySelectorAll('.cm-line')].every((one) => !/actual_speed, /.test(one.textContent))")
+    assert text(browser) == before
+    browser.press("y", "Control")
+    browser.wait("[...document.querySelectorAll('.cm-line')].some((one) => /actual_speed, /.test(one.textContent))")
+    browser.click(".cm-line", "jobs:")
+    browser.press("End")
+    browser.type(" # typed")
+    browser.click("#undo")
+    browser.click("#undo")
+    assert text(browser) == before
+    browser.click("#redo")
+    assert text(browser) == added
+
+
+def test_what_is_shown_of_one_spec_goes_with_it(browser: Page) -> None:
+    """Another spec is opened: Run, Verify and Review are empty, and say what to do."""
+    browser.click("#tab-run")
+    browser.click("#load")
+    browser.sees("#run-jobs", "set_ramps")
+    browser.click("#tab-verify")
+    browser.fill("#effort", "none")
+    browser.click("#verify-start")
+    browser.sees("#left-out", "not run")
+    browser.click("#tab-review")
+    browser.click("#review-start")
+    browser.wait("!!document.querySelector('#review iframe')")
+    browser.fill("#file", FAQ)
+    browser.wait(f"document.title.startsWith('{FAQ}')")
+    browser.wait("!document.querySelector('#review iframe')")
+    assert browser.evaluate("document.querySelector('#verified').innerText").startswith("Verification ")
+    assert browser.evaluate("document.querySelector('#run-jobs').children.length") == 0
+    assert browser.evaluate("document.querySelector('#step').disabled")
+    browser.click("#tab-run")
+    browser.sees("#wire", "Load the program")
+
+
+@needs_editor
+def test_a_new_job_is_the_one_that_parameters_go_into(browser: Page) -> None:
+    """Added in the form, it is selected; the next parameter is its own; what a drive lacks cannot be chosen."""
+    browser.fill("#target", "jobs/set_ramps")
+    browser.click(".adding summary", "Add job")
+    browser.sees("#job-kinds .off", "control unit")
+    assert browser.evaluate("document.querySelector('#job-kinds [value=clock]').disabled")
+    browser.click("#jobs .adding button", "Create")
+    browser.sees("#jobs .row", "job1")
+    browser.wait("document.querySelector('#target').value === 'jobs/job1'")
+    browser.fill("#search", "torque")
+    browser.click("#results .hit:has(b) button", "+ read")
+    browser.wait("[...document.querySelectorAll('.cm-line')].some((one) => /job1: .*r\\d+, r31/.test(one.textContent))")
+
+
+def test_notices_go_on_their_own(browser: Page) -> None:
+    """A note after 6 s, an error, which is read more slowly, after 15 s; or when they are closed."""
+    found = browser.evaluate("""(async () => {
+      const { tell } = await import(new URL("page/ask.js", location.href));
+      const set = window.setTimeout, timers = [];
+      window.setTimeout = (call, milliseconds) => { timers.push([milliseconds, call]); return 0; };
+      tell("a note");
+      tell("an error", "error", "what helps");
+      window.setTimeout = set;
+      const shown = () => [...document.querySelectorAll(".notice")].map((one) => one.innerText.split("\\n")[0]);
+      const steps = [shown()];
+      for (const [, call] of timers) { call(); steps.push(shown()); }
+      return [timers.map(([milliseconds]) => milliseconds), steps];
+    })()""")
+    assert found == [[6000, 15000], [["a note", "an error"], ["an error"], []]]
+
+
+def test_panel_texts_and_lock_are_there(browser: Page, folder: Path) -> None:
+    """Names with addresses; text lists come as an archive; a lock is written when it is confirmed, and compared."""
+    browser.click("#tab-becomes")
+    browser.click(".views button", "Panel")
+    browser.sees("#body td", "%DB472.DBD4")
+    browser.evaluate(
+        "window.seen = []; URL.createObjectURL = (blob) => { window.seen.push(blob.type); return 'data:,'; }"
+    )
+    browser.click("#get-texts")
+    browser.wait("window.seen[0] === 'application/zip'")
+    browser.evaluate("window.confirm = () => true")
+    browser.click(".views button", "Lock")
+    browser.sees("#lock-state", "no lock")
+    browser.click("#relock")
+    browser.sees("#lock-state", "Nothing has moved")
+    assert (folder / "plcgen.lock.json").is_file()
 
 
 @pytest.mark.parametrize("width", [1400, 1100, 800])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+import json
 import shutil
 import time
 import zipfile
@@ -13,6 +14,8 @@ from typing import Any
 import pytest
 
 from plcgen import api
+from plcgen.base.files.yaml import load_yaml
+from plcgen.ds47.devices import find_device
 from tests.projects import ROOT
 from tests.workbench.serve.asking import TOKEN, Server
 
@@ -121,18 +124,63 @@ def test_a_form_edit_keeps_everything_else(folder: Path, server: Server) -> None
     ]
 
 
-def test_every_kind_of_job_that_the_form_offers_can_be_had(server: Server) -> None:
-    """Of a control unit, which has a clock; each alone is a spec without errors."""
-    text = (
+def drives_of(device: str) -> str:
+    """A spec with a drive of a device, and with a control unit."""
+    number = find_device(device).drive_object
+    return (
         "plc: {name: Press, family: s7-1500, toolchain: tia-v19}\n"
-        "drives:\n  axis: {device: sinamics-s120, hardware_id: 270, drive_object: 3}\n"
+        f"drives:\n  axis: {{device: {device}, hardware_id: 270, drive_object: {number}}}\n"
         "  unit: {device: sinamics-s120, hardware_id: 271, drive_object: 1}\n"
     )
-    for kind in server.told("folder")["kinds"]:
-        given = {"key": "one", "kind": kind, "drive": "unit" if kind == "clock" else "axis"}
-        made = changed(server, {"name": "a.yaml", "text": text}, "job", given)
-        found = server.told("check", {"name": "a.yaml", "text": made})["findings"]
-        assert [one["message"] for one in found if one["severity"] == "error"] == [], kind
+
+
+def test_a_recipe_a_cycle_and_a_station_are_had_from_the_form(server: Server) -> None:
+    """From nothing but a PLC: two drives' jobs and an S7-200 that is read every second; a spec without errors."""
+    asked = {"name": "a.yaml", "text": "plc: {name: Press, family: s7-1200, toolchain: tia-v19}\n"}
+    steps: list[tuple[str, dict[str, str]]] = [
+        ("drive", {"key": "axis", "device": "sinamics-s120", "address": "280", "drive_object": "3"}),
+        ("job", {"key": "load", "drive": "axis", "kind": "write_recipe", "recipe": "sorts"}),
+        ("job", {"key": "store", "drive": "axis", "kind": "read_recipe", "recipe": "sorts"}),
+        ("job", {"key": "speed", "drive": "axis", "kind": "read", "cycle": "1s"}),
+        ("station", {"line": "pumps", "key": "pump1", "address": "3", "cpu": "224", "port": "271"}),
+        ("station", {"line": "pumps", "key": "pump2", "address": "4"}),
+        ("job", {"key": "level", "station": "pumps/pump2", "kind": "read", "cycle": "1s"}),
+        ("job", {"key": "halt", "station": "pumps/pump1", "kind": "stop", "trigger": "M50.0"}),
+    ]
+    for what, given in steps:
+        asked["text"] = changed(server, asked, what, given)
+        found = server.told("check", asked)
+    assert [one["message"] for one in found["findings"] if one["severity"] == "error"] == []
+    data = load_yaml(asked["text"], "a.yaml").data()
+    assert data["drives"]["axis"]["hardware_id"] == 280
+    assert [data["jobs"][key].get("cycle") for key in ("load", "speed")] == [None, "1s"]
+    assert data["jobs"]["store"]["read_recipe"] == "sorts"
+    assert sorted(data["recipes"]) == ["sorts"]
+    line = data["ppi"]["pumps"]
+    assert (line["port"], line["stations"]["pump1"], line["stations"]["pump2"]) == (
+        271, {"address": 3, "cpu": "224"}, {"address": 4},
+    )  # fmt: skip
+    assert (line["jobs"]["level"]["cycle"], line["jobs"]["halt"]["trigger"]) == ("1s", "M50.0")
+
+
+@pytest.mark.parametrize(
+    ("what", "given"),
+    [
+        ("job", {"key": "a", "drive": "axis", "kind": "read", "cycle": "1s}, evil: {x: 1"}),
+        ("job", {"key": "a", "drive": "axis", "kind": "read", "trigger": "M50.0, read: [r1]"}),
+        ("job", {"key": "a b", "drive": "axis", "kind": "read"}),
+        ("job", {"key": "a", "drive": "axis", "kind": "write_recipe", "recipe": "x: {"}),
+        ("station", {"line": "l}", "key": "a", "address": "2"}),
+        ("station", {"line": "l", "key": "a", "address": "2, cpu: 9"}),
+        ("station", {"line": "l", "key": "a", "address": "2", "cpu": '"}'}),
+        ("drive", {"key": "b", "device": "sinamics-s120", "drive_object": "1}"}),
+    ],
+)
+def test_what_is_typed_into_the_form_stays_one_value(what: str, given: dict[str, str], server: Server) -> None:
+    """Nothing of it becomes YAML of its own: it is refused with what may stand there."""
+    answer = server.ask("change", {"name": "a.yaml", "text": drives_of("sinamics-s120"), "what": what, "given": given})
+    assert (answer.status, answer.json()["problems"][0]["code"]) == (422, "PG901")
+    assert answer.json()["problems"][0]["help"]
 
 
 def test_telegrams_are_those_of_the_faq(folder: Path, server: Server) -> None:
@@ -163,8 +211,6 @@ def test_files_tell_how_they_differ_from_the_disk(folder: Path, server: Server) 
 
 def test_the_archive_holds_what_generate_writes(folder: Path, server: Server, tmp_path: Path) -> None:
     """Byte for byte, and nothing is on disk afterwards."""
-    import json
-
     answer = server.request("POST", f"/{TOKEN}/zip", [json.dumps(now(folder, FAQ)).encode()])
     assert answer.headers["content-type"] == "application/zip"
     with zipfile.ZipFile(io.BytesIO(answer.data)) as archive:
@@ -212,9 +258,9 @@ def test_a_job_that_is_started_again_is_told_of_anew(folder: Path, server: Serve
     """First accepted, then refused (status 8401 of docs/generated-code.md); values also as SCL writes them."""
     server.told("load", now(folder, PUMP))
     ended = []
-    for fault in ("", "error:number=0x11"):
+    for fault in ({}, {"kind": "error", "keys": {"number": "16#11"}}):
         if fault:
-            server.told("strike", {"text": fault})
+            server.told("strike", fault)
         server.told("put", {"text": '"DriveJobs".setRamps.execute := TRUE'})
         found = server.told("step", {"scans": 200})["results"][0]
         ended.append((found["ending"], found["status"]))
@@ -226,17 +272,139 @@ def test_a_job_that_is_started_again_is_told_of_anew(folder: Path, server: Serve
 def test_a_fault_by_hand_delays_the_job(folder: Path, server: Server) -> None:
     """The drive is busy five times more: the job needs more scans than without, and ends well. A wrong word is told."""
     took = []
-    for fault in ("", "busy:times=5"):
+    for fault in ({}, {"kind": "busy", "keys": {"times": "5"}}):
         server.told("load", now(folder, PUMP))
         if fault:
-            server.told("strike", {"text": fault})
+            server.told("strike", fault)
         server.told("put", {"text": "DriveJobs.setRamps.execute=TRUE"})
         found = server.told("step", {"scans": 200})["results"][0]
         assert found["ending"] == "done"
         took.append(found["scan"])
     assert took[1] > took[0]
-    answer = server.ask("strike", {"text": "no_such_fault"})
+    answer = server.ask("strike", {"kind": "no_such_fault", "keys": {}})
     assert (answer.status, "no_such_fault" in answer.text) == (422, True)
+
+
+@pytest.mark.parametrize("name", [PUMP, PPI])
+def test_a_fault_is_chosen_with_the_keys_that_count_for_it(name: str, folder: Path, server: Server) -> None:
+    """Every kind with every value that is offered for a key is taken; others are refused, and why is told."""
+    kinds = server.told("load", now(folder, name))["faults"]
+    every = {key["key"]: key for kind in kinds for key in kind["keys"]}
+    for kind in kinds:
+        assert kind["text"]
+        own = {key["key"] for key in kind["keys"]}
+        given = {"status": "16#DE80B500"} if kind["kind"] == "status" else {}
+        for key in kind["keys"]:
+            values = [*key["choices"], *(value for value, _ in key["known"][:3]), key["default"]]
+            for value in filter(None, values):
+                server.told("strike", {"kind": kind["kind"], "keys": {**given, key["key"]: value}})
+        for key in sorted(every.keys() - own):
+            value = (every[key]["choices"] or [every[key]["default"] or "10"])[0]
+            answer = server.ask("strike", {"kind": kind["kind"], "keys": {**given, key: value}})
+            (problem,) = answer.json()["problems"]
+            assert problem["message"] == f'"{key}" does nothing for the fault {kind["kind"]}'
+    for keys in ({"times": "often"}, {"times": "2,after=1"}, {"no_such": "1"}):
+        answer = server.ask("strike", {"kind": kinds[1]["kind"], "keys": keys})
+        assert (answer.status, answer.json()["problems"][0]["code"]) == (422, "PG901"), keys
+
+
+def test_inputs_of_a_job_have_type_unit_and_limits(folder: Path, server: Server) -> None:
+    """List manuals: G220 p1135 is 0 to 5400 s, S120 p0003 = 3 is expert; what is set is what the drive gets."""
+    jobs = "jobs: {stop: {drive: axis, write: {P1135: }}, level: {drive: unit, write: {P3: }}}\n"
+    loaded = server.told("load", {"name": "a.yaml", "text": drives_of("sinamics-g220") + jobs})
+    (stop,), (level,) = (job["inputs"] for job in loaded["jobs"])
+    assert (stop["unit"], stop["low"], stop["high"]) == ("s", 0.0, 5400.0)
+    assert ["expert", 3] in level["names"]
+    loaded = server.told("load", now(folder, PUMP))
+    (job,) = [one for one in loaded["jobs"] if one["key"] == "set_ramps"]
+    (ramp, _) = job["inputs"]
+    assert (ramp["name"], ramp["type"], ramp["unit"]) == ("rampUpTime", "REAL", "s")
+    assert ramp["title"].startswith("P1120 ")
+    assert loaded["inputs"][ramp["path"]] == "10.0"
+    server.told("put", {"text": f"{ramp['path']}=2.5"})
+    server.told("put", {"text": "DriveJobs.setRamps.execute=TRUE"})
+    found = server.told("step", {"scans": 200})
+    assert {name: value for name, _, value in found["partners"]}["pump.P1120"] == "2.5"
+    assert found["inputs"][ramp["path"]] == "2.5"
+    assert server.ask("put", {"text": f"{ramp['path']}=fast"}).status == 422
+    loaded = server.told("load", now(folder, PPI))
+    (job,) = [one for one in loaded["jobs"] if one["key"] == "setpoints"]
+    assert [(one["name"], one["type"]) for one in job["inputs"]] == [("levelSetpoint", "REAL"), ("vw200", "WORD")]
+
+
+def test_a_panel_gets_names_and_addresses(folder: Path, server: Server) -> None:
+    """Members of DriveJobs and flags of the FAQ; a value of a telegram in an instance has the place that a panel has.
+
+    DriveJobs begins with a structure of four bits, a word and the ramp times: they are at bytes 0, 2, 4 and 8.
+    """
+    tags = {tag["symbolic"]: tag for one in server.told("tags", now(folder, PUMP))["blocks"] for tag in one["tags"]}
+    assert tags['"DriveJobs".setRamps.error']["absolute"] == "%DB472.DBX0.3"
+    fields = server.told("becomes", now(folder, PUMP))["telegrams"][0]["request"]["fields"]
+    assert [one["address"] for one in fields if one["name"] in {"rampUpTime", "rampDownTime"}] == [
+        '"DriveJobs".setRamps.rampUpTime %DB472.DBD4',
+        '"DriveJobs".setRamps.rampDownTime %DB472.DBD8',
+    ]
+    flags = [(one["absolute"], one["comment"]) for one in server.told("tags", now(folder, FAQ))["flags"]]
+    assert [one for one in flags if "execute" in one[1]] == [
+        ("%M50.0", "execute: read_ramp_up"),
+        ("%M150.0", "execute: write_ramp_down"),
+    ]
+
+
+def test_text_lists_are_those_of_the_command(folder: Path, server: Server) -> None:
+    """With the messages of the drives of the spec; of a spec without drives there are none."""
+    given = {**now(folder, PUMP), "languages": ["de-DE"], "formats": ["csv", "xml"]}
+    answer = server.request("POST", f"/{TOKEN}/ask/texts", [json.dumps(given).encode()])
+    with zipfile.ZipFile(io.BytesIO(answer.data)) as archive:
+        table = archive.read("text_lists.csv").decode("utf-8-sig")
+    assert {line.partition(";")[0] for line in table.splitlines()[1:]} >= {"DriveJobStatus", "DriveFaults"}
+    for more in ({"languages": ["fr-FR"]}, {"languages": []}, now(folder, PPI)):
+        assert server.ask("texts", {**given, **more}).status == 422
+
+
+def test_a_lock_tells_what_an_edit_moves(folder: Path, server: Server) -> None:
+    """None, written, the same, moved; that of another spec of the folder is left alone."""
+    asked = now(folder, PUMP)
+    assert not server.told("lock", asked)["there"]
+    known = server.told("read", {"name": PUMP})["known"]
+    assert server.told("relock", {**asked, "known": known})["ok"]
+    same = server.told("lock", asked)
+    assert (same["there"], sum(same["summary"].values()), same["problems"]) == (True, 0, [])
+    edited = now(folder, PUMP, "write: {P1120: null, P1121: null}", "write: {P1121: null}")
+    moved = server.told("lock", edited)
+    assert sum(moved["summary"].values()) > 0
+    assert "rampDownTime" in moved["text"]
+    other = server.told("lock", now(folder, FAQ))
+    assert (other["there"], other["lock"]) == (False, "s7-300_6ra80_dp_tia.lock.json")
+
+
+def test_dropped_files_say_what_they_are(folder: Path, server: Server) -> None:
+    """Telegrams as text or bytes, a STATUS, codes; blocks and specs are none of these."""
+    request = "03 01 02 01 10 01 C4 7F 00 00"
+    files = {
+        "a.txt": f"{request}\n".encode(),
+        "b.bin": bytes.fromhex(request.replace(" ", "")),
+        "c.log": b"DF80B500\r\n0301020110 01C47F0000 > 03010201\r\n",
+        "d.txt": b"F30001\nPG209\nr945\n",
+        "e.scl": b"DATA_BLOCK DB1\nSTRUCT a : INT; END_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n",
+        "f.yaml": (folder / PUMP).read_bytes(),
+        "g.txt": b"",
+    }
+    given = {name: base64.b64encode(data).decode() for name, data in files.items()}
+    found = server.told("look", {"files": given})
+    assert found["files"] == dict(zip(files, ["lines"] * 4 + ["blocks"] * 3, strict=True))
+    assert found["lines"][:2] == [request, request]
+    for line in found["lines"]:
+        server.told("explain", {"text": line})
+
+
+def test_hand_written_blocks_are_held_against_the_text(folder: Path, server: Server, tmp_path: Path) -> None:
+    """Those of the FAQ fit; with another parameter in the editor they do not."""
+    (source,) = api.generate(folder / FAQ, tmp_path / "out").folder.glob("*.scl")
+    good = server.told("audit", {**now(folder, FAQ), "files": packed(source)})
+    assert good["ok"], good["text"]
+    bad = server.told("audit", {**now(folder, FAQ, "P50303", "P50305"), "files": packed(source)})
+    assert not bad["ok"]
 
 
 def test_partners_can_be_changed_by_hand(folder: Path, server: Server) -> None:
@@ -276,10 +444,18 @@ def test_verification_can_be_cancelled(folder: Path, server: Server) -> None:
     assert done(server)["result"]["ok"]
 
 
-def test_a_run_needs_a_saved_spec(folder: Path, server: Server) -> None:
-    """What runs reads the file: an unsaved text would be passed over."""
-    answer = server.ask("load", now(folder, PUMP, "P1121: null", "P1121: 5.0"))
-    assert (answer.status, "not saved" in answer.text) == (422, True)
+def test_what_runs_is_the_text_of_the_editor(folder: Path, server: Server) -> None:
+    """P1121 is 5.0 in the editor alone: the run writes it, verification finds it right, nothing is on disk."""
+    edited = now(folder, PUMP, "P1121: null", "P1121: 5.0")
+    server.told("load", edited)
+    server.told("put", {"text": "DriveJobs.setRamps.execute=TRUE"})
+    found = server.told("step", {"scans": 200})
+    assert {name: value for name, _, value in found["partners"]}["pump.P1121"] == "5.0"
+    server.told("verify", {**edited, "faults": "none"})
+    assert done(server)["result"]["ok"]
+    new = {"name": "new.yaml", "text": edited["text"]}
+    server.told("load", new)
+    assert sorted(one.name for one in folder.iterdir()) == sorted([FAQ, PUMP, PPI])
 
 
 @pytest.mark.slow
@@ -371,3 +547,35 @@ def test_a_new_spec_is_text_until_it_is_saved(folder: Path, server: Server) -> N
         assert [one["message"] for one in problems if one["severity"] == "error"] == []
         assert not (folder / "job.yaml").exists()
     assert server.ask("new", {"name": PUMP, "given": {}}).status == 422
+
+
+@pytest.mark.parametrize("device", ["sinamics-g120", "sinamics-dcm", "ppi"])
+@pytest.mark.parametrize("family", ["s7-300", "s7-1500"])
+def test_a_new_spec_has_the_names_and_numbers_that_were_asked_for(device: str, family: str, server: Server) -> None:
+    """Name of the station and of the partner, its address, the drive object; nothing else changes."""
+    given = {"device": device, "family": family, "toolchain": "tia-v17", "title": "Mill 2", "key": "roller"}
+    text = server.told("new", {"name": "a.yaml", "given": {**given, "address": "301", "drive_object": "4"}})["text"]
+    data = load_yaml(text, "a.yaml").data()
+    assert data["plc"]["name"] == "Mill 2"
+    if device == "ppi":
+        assert data["ppi"]["line"]["stations"] == {"roller": {"address": 301}}
+        assert {job["station"] for job in data["ppi"]["line"]["jobs"].values()} == {"roller"}
+        return
+    where = "address" if family == "s7-300" else "hardware_id"
+    assert data["drives"] == {"roller": {"device": device, where: 301, "drive_object": 4}}
+    assert {job["drive"] for job in data["jobs"].values()} == {"roller"}
+    assert server.ask("new", {"name": "a.yaml", "given": {**given, "title": "a: b"}}).status == 422
+    assert server.ask("new", {"name": "a.yaml", "given": {**given, "key": "a b"}}).status == 422
+
+
+def test_what_was_typed_and_given_up_counts_for_no_other_spec(folder: Path, server: Server) -> None:
+    """A part that was edited and left unsaved is as on disk when the spec that includes it is opened."""
+    (folder / "part.yaml").write_text("drives: {axis: {device: sinamics-s120, hardware_id: 270, drive_object: 3}}\n")
+    (folder / "main.yaml").write_text(
+        "plc: {name: A, family: s7-1500, toolchain: tia-v19}\ninclude: [part.yaml]\n"
+        "jobs: {a: {drive: axis, read: [r21]}}\n"
+    )
+    server.told("check", {"name": "part.yaml", "text": "drives: {other: {device: sinamics-s120, hardware_id: 270}}\n"})
+    read = server.told("read", {"name": "main.yaml"})
+    found = server.told("check", {"name": "main.yaml", "text": read["text"]})["findings"]
+    assert [one["message"] for one in found if one["severity"] == "error"] == []

@@ -3,7 +3,7 @@ export { EditorState, Compartment, StateEffect, StateField } from "@codemirror/s
 export {
   EditorView, keymap, lineNumbers, highlightActiveLine, highlightActiveLineGutter, drawSelection, hoverTooltip, Decoration,
 } from "@codemirror/view";
-export { defaultKeymap, history, historyKeymap, indentWithTab, isolateHistory } from "@codemirror/commands";
+export { defaultKeymap, history, historyKeymap, indentWithTab, isolateHistory, redo, undo } from "@codemirror/commands";
 export { autocompletion, completionKeymap } from "@codemirror/autocomplete";
 export { lintGutter, setDiagnostics, lintKeymap } from "@codemirror/lint";
 export { highlightSelectionMatches, searchKeymap } from "@codemirror/search";

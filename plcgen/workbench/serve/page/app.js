@@ -1,6 +1,6 @@
 // The page: one spec that is open, its tabs, keyboard, language and colours.
 import { $, fill, h, later, option, field } from "./dom.js";
-import { ask, attempt, download, tell } from "./ask.js";
+import { ask, attempt } from "./ask.js";
 import { label, language, speak, word } from "./words.js";
 import { makeEditor } from "./editor.js";
 import { specTab } from "./spec.js";
@@ -9,6 +9,8 @@ import { runTab } from "./run.js";
 import { verifyTab } from "./verify.js";
 import { reviewTab } from "./review.js";
 import { toolsTab } from "./tools.js";
+import { newSpec } from "./newspec.js";
+import { writeFiles, zip } from "./writing.js";
 
 export const desk = {
   folder: null, name: "", known: "", saved: "", editor: null, checked: null, writes: 0,
@@ -104,56 +106,6 @@ async function written(text, known) {
   state();
 }
 
-async function write() {
-  const made = await attempt(() => ask("becomes", desk.now));
-  if (!made) return;
-  const count = (kind) => made.files.filter((one) => one.state === kind).length;
-  const dialog = $("#dialog");
-  const go = async () => {
-    dialog.close();
-    const asked = { ...desk.now, known: desk.known };
-    const done = await attempt(() => ask("write", asked));
-    if (!done) return;
-    desk.writes += 1;
-    await written(asked.text, done.known);
-    for (const one of done.problems) tell(`${one.code}: ${one.message}${one.file ? ` (${one.file})` : ""}`, one.severity, one.help);
-    if (done.ok) tell(`${done.folder}: ${done.written.length} ${word("written")}, ${done.unchanged} ${word("unchanged")}, ${done.removed.length} ${word("removed")}`);
-    tabs[current].shown?.();
-  };
-  fill(dialog, h("h2", {}, word("writeAsk")),
-    h("p", {}, desk.name, " ", word("writeInto"), " ", h("code", {}, made.folder), ": ",
-      `${count("new")} ${word("new")}, ${count("changed")} ${word("changed")}, ${count("same")} ${word("same")}`),
-    h("p", { class: "quiet" }, word("writeRule")),
-    h("form", { method: "dialog", class: "buttons" },
-      h("button", { class: "main", type: "button", id: "write-now", onclick: go }, word("write")),
-      h("button", {}, word("cancel"))));
-  dialog.showModal();
-}
-
-function newSpec() {
-  const { devices, families, toolchains } = desk.folder;
-  const name = h("input", { name: "name", value: free(), required: true, pattern: ".+\\.ya?ml", size: 24 });
-  const device = h("select", { name: "device" }, option("ppi", word("ppiMaster")),
-    devices.map((one) => option(one.key, `${one.title} (${one.key})`, one.key === "sinamics-s120")));
-  const family = h("select", { name: "family" }, families.map((one) => option(one, one, one === "s7-1500")));
-  const toolchain = h("select", { name: "toolchain" }, toolchains.map((one) => option(one, one, one === "tia-v17")));
-  const dialog = $("#dialog");
-  const create = async (event) => {
-    event.preventDefault();
-    const given = { device: device.value, family: family.value, toolchain: toolchain.value };
-    const found = await attempt(() => ask("new", { name: name.value, given }));
-    if (!found || (desk.dirty && !confirm(word("leave")))) return;
-    dialog.close();
-    take({ ...found, text: found.text });
-    show(0);
-  };
-  fill(dialog, h("h2", {}, word("newSpec")), h("form", { onsubmit: create },
-    field(word("file"), name), field(word("device"), device), field(word("family"), family), field(word("toolchain"), toolchain),
-    h("div", { class: "buttons" }, h("button", { class: "main", type: "submit" }, word("create")),
-      h("button", { type: "button", onclick: () => dialog.close() }, word("cancel")))));
-  dialog.showModal();
-}
-
 // A job, a drive: its new name goes wherever it is named.
 function rename() {
   const place = desk.editor.place, dialog = $("#dialog");
@@ -171,12 +123,6 @@ function rename() {
   dialog.showModal();
 }
 
-function free() {
-  let number = 1;
-  while (desk.folder.specs.includes(number === 1 ? "job.yaml" : `job${number}.yaml`)) number += 1;
-  return number === 1 ? "job.yaml" : `job${number}.yaml`;
-}
-
 function theme(next) {
   document.documentElement.dataset.theme = next;
   try { localStorage.setItem("plcgen.theme", next); } catch { /* forgotten */ }
@@ -190,6 +136,9 @@ function themed() {
   return matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
 }
 
+// Whether a field has a way back of its own: the editor's is the one of the form, too.
+const typing = (target) => target.closest("dialog, .editor") !== null || (target.matches("input, textarea") && target.value !== target.defaultValue && target.type !== "search");
+
 function keys(event) {
   const control = event.ctrlKey || event.metaKey;
   if (control && event.key === "s") {
@@ -198,6 +147,10 @@ function keys(event) {
   } else if (event.altKey && /^[1-9]$/.test(event.key) && tabs[Number(event.key) - 1]) {
     event.preventDefault();
     show(Number(event.key) - 1);
+  } else if (control && /^[zy]$/i.test(event.key) && tabs[current].key === "spec" && !typing(event.target)) {
+    event.preventDefault();
+    if (event.key.toLowerCase() === "y" || event.shiftKey) desk.editor.redo();
+    else desk.editor.undo();
   } else if (event.key === "F2" && tabs[current].key === "spec" && desk.name) {
     event.preventDefault();
     rename();
@@ -235,7 +188,8 @@ async function begin() {
   const draw = () => {
     label(document);
     $("#language").textContent = language === "de" ? "EN" : "DE";
-    build([specTab(desk, room), becomesTab(desk), runTab(desk), verifyTab(desk), reviewTab(desk), toolsTab(() => goTo("tools"))]);
+    const source = (file, line) => { goTo("becomes"); views.source(file, line); }, views = becomesTab(desk, written);
+    build([specTab(desk, room), views, runTab(desk), verifyTab(desk, source), reviewTab(desk), toolsTab(desk, () => goTo("tools"))]);
     if (desk.checked) for (const tab of tabs) tab.checked?.(desk.checked);
   };
   draw();
@@ -248,16 +202,21 @@ async function begin() {
   $("#theme").addEventListener("click", () => theme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
   $("#file").addEventListener("change", (event) => open(event.target.value));
   $("#save").addEventListener("click", save);
-  $("#write").addEventListener("click", write);
-  $("#new").addEventListener("click", newSpec);
-  $("#zip").addEventListener("click", () => attempt(() => download("zip", desk.now, `${desk.name.split("/").pop().replace(/\.ya?ml$/, "")}.zip`)));
+  $("#write").addEventListener("click", () => writeFiles(desk, async (...saved) => {
+    desk.writes += 1;
+    await written(...saved);
+    tabs[current].shown?.();
+  }));
+  const begun = (found) => { take(found); show(0); };
+  $("#new").addEventListener("click", () => newSpec(desk, begun));
+  $("#zip").addEventListener("click", () => zip(desk));
   addEventListener("keydown", keys);
   addEventListener("beforeunload", (event) => { if (desk.dirty) event.preventDefault(); });
   files();
   const wanted = tabs.findIndex((tab) => `#${tab.key}` === location.hash);
   show(Math.max(wanted, 0));
   if (desk.folder.specs.length) await open(desk.folder.specs[0]);
-  else newSpec();
+  else newSpec(desk, begun);
   state();
   document.body.dataset.ready = "true";
 }

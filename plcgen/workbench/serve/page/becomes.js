@@ -1,16 +1,19 @@
-// What a spec becomes: telegrams byte by byte with member, address and line; files against the disk; the write list.
+// What a spec becomes: telegrams with member, address and line; what a panel connects; files; the write list; the lock.
 import { fill, h, table } from "./dom.js";
 import { ask, attempt } from "./ask.js";
 import { word } from "./words.js";
+import { markdown } from "./markdown.js";
+import { panelView } from "./panel.js";
+import { lockView } from "./lock.js";
 
-const VIEWS = ["telegrams", "files", "workList"];
+const VIEWS = ["telegrams", "panel", "files", "workList", "lock"];
 
-export function becomesTab(desk) {
+export function becomesTab(desk, written) {
   const side = h("div", { class: "side", id: "side" });
   const body = h("div", { class: "body", id: "body" });
   const switcher = h("div", { class: "bar views" });
   const told = h("span", { class: "quiet" });
-  let view = "telegrams", made = null, asked = null, chosen = "", asking = new AbortController();
+  let view = "telegrams", made = null, asked = null, chosen = "", marked = 0, asking = new AbortController();
 
   async function load() {
     if (!desk.name || !desk.checked) return;
@@ -42,6 +45,8 @@ export function becomesTab(desk) {
     fill(told, `${made.project}, ${made.target}`);
     if (view === "telegrams") telegrams();
     else if (view === "files") files();
+    else if (view === "panel") panelView(desk, side, body);
+    else if (view === "lock") lockView(desk, side, body, written);
     else workList();
   }
 
@@ -55,7 +60,7 @@ export function becomesTab(desk) {
     fill(side, made.telegrams.map((one) => pick(key(one), one.job, made.telegrams.filter((other) => other.job === one.job).length > 1 ? `${one.number}` : one.block, telegrams)));
     const one = made.telegrams.find((each) => key(each) === chosen);
     if (!one) return fill(body);
-    fill(body, h("p", { class: "quiet" }, word("hoverByte")), message(word("request"), one.request, made.excerpts), one.answers.map((each) => message(word("answer"), each, made.excerpts)),
+    fill(body, h("p", { class: "quiet hint" }, word("hoverByte")), message(word("request"), one.request, made.excerpts), one.answers.map((each) => message(word("answer"), each, made.excerpts)),
       h("dl", { class: "figures" }, Object.entries(one.lengths).map(([name, text]) => [h("dt", {}, name), h("dd", {}, text)])));
   }
 
@@ -70,13 +75,17 @@ export function becomesTab(desk) {
   async function part(path) {
     const found = await attempt(() => ask("part", { ...desk.now, path }));
     if (!found || path !== chosen || view !== "files") return;
-    const text = () => h("pre", { class: "code" }, found.text.split("\n").map((line, place) => h("div", {}, h("i", {}, String(place + 1)), line || " ")));
+    const text = () => h("pre", { class: "code" }, found.text.split("\n").map((line, place) => h("div", { class: place + 1 === marked ? "marked" : "" }, h("i", {}, String(place + 1)), line || " ")));
+    const page = () => h("div", { class: "guide" }, markdown(found.text));
+    const shown = path.endsWith(".md") ? page : text;
     const diff = () => h("pre", { class: "code" }, found.diff.split("\n").map((line) => h("div", {
       class: line.startsWith("+") ? "plus" : line.startsWith("-") ? "minus" : line.startsWith("@") ? "at" : "" }, line || " ")));
-    const room = h("div", {}, found.diff ? diff() : text());
+    const room = h("div", {}, found.diff && !marked ? diff() : shown());
     const flip = (make) => () => fill(room, make());
     fill(body, h("div", { class: "bar" }, h("b", {}, path), h("span", { class: `chip ${found.state}` }, word(found.state)), h("span", { class: "space" }),
-      found.diff ? [h("button", { onclick: flip(diff) }, word("diff")), h("button", { onclick: flip(text) }, word("text"))] : null), room);
+      found.diff ? [h("button", { onclick: flip(diff) }, word("diff")), h("button", { onclick: flip(shown) }, word("text"))] : null), room);
+    room.querySelector(".marked")?.scrollIntoView({ block: "center" });
+    marked = 0;
   }
 
   function workList() {
@@ -94,6 +103,15 @@ export function becomesTab(desk) {
     key: "becomes", title: "tabBecomes",
     content: h("div", { class: "becomes" }, switcher, h("div", { class: "split" }, side, body)),
     shown: load,
+    cleared() { made = asked = null; chosen = ""; fill(side); fill(body); fill(told); },
+    // A line of a generated source.
+    async source(file, line) {
+      view = "files";
+      marked = line;
+      await load();
+      chosen = made?.files.find((one) => file === one.path || file.endsWith(`/${one.path}`))?.path ?? chosen;
+      draw();
+    },
   };
 }
 
@@ -112,14 +130,15 @@ function message(title, one, excerpts) {
   const cells = one.fields.flatMap((each) => each.bytes.slice(0, 64).map((byte, place) => h("span", {
     ...live(each.offset), class: `byte r-${each.role} ${place === 0 ? "first" : ""}`, title: `${each.offset + place}: ${each.name}`, tabindex: place === 0 ? 0 : -1,
   }, hex(byte))));
+  const placed = one.fields.some((each) => each.address);
   const rows = one.fields.map((each) => h("tr", live(each.offset), h("td", { class: "n" }, String(each.offset)),
     h("td", { class: "hex" }, each.bytes.slice(0, 8).map(hex).join(" "), each.bytes.length > 8 ? " \u2026" : ""),
-    h("td", {}, h("b", {}, each.name)), h("td", { class: "hex" }, each.address), h("td", {}, each.value), h("td", {}, each.meaning)));
+    h("td", {}, h("b", {}, each.name)), placed ? h("td", { class: "hex place" }, each.address) : null, h("td", {}, each.value), h("td", {}, each.meaning)));
   const lines = excerpts.filter((each) => each.block === one.block).map((each) => h("div", {}, h("small", { class: "quiet" }, each.file),
     each.lines.map((line) => h("div", { ...(line.member === null ? {} : live(line.member)), class: "line" }, h("i", {}, String(line.number)), h("code", {}, line.text)))));
   fill(box, h("h3", {}, `${title}: ${one.title}`, h("small", {}, ` ${one.block}, ${length} bytes`)),
     h("div", { class: "grid" }, cells),
-    h("div", { class: "beside" }, table([word("offset"), word("bytes"), word("member"), word("address").split(" / ").pop(), word("value"), word("meaning")], rows, "dense"),
+    h("div", { class: "beside" }, table([word("offset"), word("bytes"), word("member"), placed ? word("address") : [], word("value"), word("meaning")].flat(), rows, "dense"),
       lines.length ? h("div", { class: "lines" }, h("h4", {}, word("sclLines")), lines) : null));
   return box;
 }

@@ -9,15 +9,20 @@ class Field {
   }
   get text() { return this.area.value; }
   open(text) { this.area.value = text; }
-  change(text) { this.area.value = text; this.area.dispatchEvent(new Event("input")); }
+  undo() { this.area.focus(); document.execCommand("undo"); }
+  redo() { this.area.focus(); document.execCommand("redo"); }
+  // As typed, so that the browser's own way back has it.
   apply(edits) {
     const lines = this.text.split("\n");
     const at = (line, character) => lines.slice(0, line).reduce((sum, one) => sum + one.length + 1, 0) + character;
-    let text = this.text;
+    this.area.focus({ preventScroll: true });
     for (const one of sorted(edits)) {
-      text = text.slice(0, at(one.place[0], one.place[1])) + one.text + text.slice(at(one.place[2], one.place[3]));
+      const from = at(one.place[0], one.place[1]), to = at(one.place[2], one.place[3]);
+      this.area.setSelectionRange(from, to);
+      if (document.execCommand(one.text ? "insertText" : "delete", false, one.text)) continue;
+      this.area.setRangeText(one.text, from, to, "end");
+      this.area.dispatchEvent(new Event("input"));
     }
-    this.change(text);
   }
   problems() {}
   get place() {
@@ -91,6 +96,8 @@ class Code {
     this.view.dispatch({ selection: { anchor: place }, effects: this.cm.EditorView.scrollIntoView(place, { y: "center" }) });
     this.view.focus();
   }
+  undo() { this.cm.undo(this.view); }
+  redo() { this.cm.redo(this.view); }
   measure() { this.view.requestMeasure(); }
   get place() { return this.caret(this.view.state.selection.main.head); }
   caret(position) {

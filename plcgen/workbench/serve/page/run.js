@@ -3,6 +3,7 @@ import { fill, h, option, field } from "./dom.js";
 import { ask, attempt } from "./ask.js";
 import { word } from "./words.js";
 import { Lanes, telegramTable } from "./lanes.js";
+import { faultForm, inputFields } from "./hand.js";
 
 const FEW = 6;  // jobs whose lanes are all shown; of more those that have run
 const BOOLS = [["execute", "main"], ["busy", "note"], ["done", "good"], ["error", "bad"]];
@@ -22,9 +23,7 @@ export function runTab(desk) {
   const members = h("datalist", { id: "members" });
   const setting = h("input", { id: "set", list: "members" });
   setting.setAttribute("list", "members");
-  const fault = h("input", { id: "fault", list: "faults" });
-  fault.setAttribute("list", "faults");
-  const faults = h("datalist", { id: "faults" });
+  const faults = h("div", {});
   const lanes = new Lanes((scan) => mark(scan));
   let state = null, going = false, timer = 0;
 
@@ -34,15 +33,17 @@ export function runTab(desk) {
     state = null;
     load.textContent = word("load");
     for (const one of [run, step, ten]) one.disabled = true;
-    for (const one of [where, jobs, partners, wire, decoded]) fill(one);
+    for (const one of [where, jobs, partners, wire, decoded, faults]) fill(one);
+    for (const one of [hand, setting.form, driven]) one.hidden = true;
+    fill(wire, h("p", { class: "quiet" }, word("loadFirst")));
     lanes.show([], 0);
   }
 
   function start(found) {
     state = { ...found, series: new Map(), known: [], contacts: [], on: new Map(found.jobs.map((one) => [one.key, false])) };
     fill(members, found.members.map((path) => option(path.replace(/"/g, ""))));
-    fill(faults, found.faults.map((one) => option(one)));
-    fault.placeholder = found.example;
+    fill(faults, faultForm(found.faults, (given) => act(() => ask("strike", given)).then((done) => { if (done) fill(decoded, h("p", { class: "good", id: "struck" }, `${word("struck")}: ${given.kind}`)); })));
+    for (const one of [hand, setting.form, driven]) one.hidden = false;
     setting.placeholder = found.members.length ? `${found.members[0].replace(/"/g, "")}=` : "";
     fill(decoded);
     fill(wire, h("p", { class: "quiet" }, word("noExchange")));
@@ -88,12 +89,14 @@ export function runTab(desk) {
   }
 
   function drawJobs(found) {
+    if (jobs.contains(document.activeElement) && document.activeElement.matches("input, select")) return;  // somebody types
     fill(jobs, state.jobs.map((job) => {
       const last = found.results.find((one) => one.job === job.key);
       const on = state.series.get(`${job.key}.execute`)?.at(-1)?.[1] === true;
       return h("div", { class: "row job" }, h("button", {
         "aria-pressed": on ? "true" : "false", title: job.execute, "aria-label": `execute ${job.key}`, "data-job": job.key, onclick: () => put(`${job.execute.replace(/"/g, "")}=${on ? "FALSE" : "TRUE"}`),
-      }, on ? "\u25a0" : "\u25b6"), h("b", {}, job.key), h("small", { class: last?.ending === "error" ? "bad" : "", title: last?.text ?? "" }, last && last.ending !== "not_started" ? `${last.ending} ${last.status}` : ""));
+      }, on ? "\u25a0" : "\u25b6"), h("b", {}, job.key), h("small", { class: last?.ending === "error" ? "bad" : "", title: last?.text ?? "" }, last && last.ending !== "not_started" ? `${word(last.ending)} ${last.status}` : ""),
+      job.inputs.length ? h("div", { class: "inputs" }, inputFields(job, found.inputs, put)) : null);
     }));
   }
 
@@ -164,15 +167,16 @@ export function runTab(desk) {
     act(() => ask(question, { text: input.value.trim() })).then((found) => { if (found) input.value = ""; });
   };
 
+  const hand = h("h3", { hidden: true }, word("goesWrong")), driven = h("h3", { hidden: true }, word("driveValues"));
+  fill(wire, h("p", { class: "quiet" }, word("loadFirst")));
   return {
     key: "run", title: "tabRun",
     content: h("div", { class: "stack" },
       h("div", { class: "bar views" }, field(word("source"), origin), field("ms", time), load, run, step, ten, where),
       h("div", { class: "running" },
         h("div", { class: "side" }, h("h3", {}, word("jobs"), h("small", {}, " execute")), jobs,
-          h("form", { class: "one", onsubmit: send(setting, "put") }, setting, h("button", {}, word("set"))), members,
-          h("form", { class: "one", onsubmit: send(fault, "strike") }, fault, h("button", {}, word("inject"))), faults,
-          h("h3", {}, word("driveValues")), partners),
+          h("form", { class: "one", hidden: true, title: word("setHint"), onsubmit: send(setting, "put") }, setting, h("button", {}, word("set"))), members,
+          driven, partners, hand, faults),
         h("div", { class: "middle" }, lanes.box, h("div", { class: "below" }, h("div", {}, h("h3", {}, word("exchanges")), wire), decoded)))),
     shown() { lanes.size(); },
     cleared,

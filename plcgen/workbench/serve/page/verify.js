@@ -27,10 +27,10 @@ export async function follow(begin, bar, told) {
   }
 }
 
-export function verifyTab(desk) {
+export function verifyTab(desk, source) {
   const origin = h("select", { id: "verify-files" }, option("made", word("asMade")), option("disk", word("onDisk")));
-  const effort = h("select", { id: "effort" }, option("none"), option("quick", "quick", true), option("full"));
-  const start = h("button", { class: "main", id: "verify-start" }, word("start"));
+  const effort = h("select", { id: "effort" }, option("none", word("faultsNone")), option("quick", word("faultsQuick"), true), option("full", word("faultsFull")));
+  const start = h("button", { class: "main", id: "verify-start" }, word("begin"));
   const cancel = h("button", { id: "verify-cancel", disabled: true, onclick: () => attempt(() => ask("cancel")) }, word("cancel"));
   const bar = h("progress", { hidden: true });
   const told = h("span", { class: "quiet", id: "verify-told", role: "status" });
@@ -44,16 +44,22 @@ export function verifyTab(desk) {
     const found = await follow(() => ask("verify", asked), bar, told);
     start.disabled = false;
     cancel.disabled = true;
-    if (found) show(found, asked);
+    if (found && asked.name === desk.name) show(found, asked);
+    else if (!found) empty();
   });
+  const empty = () => fill(body, h("p", { class: "empty" }, word("verifyHint")));
+  empty();
 
   function show(found, asked) {
-    const outcomes = Object.entries(found.summary).map(([name, count]) => h("span", { class: `chip o-${name}` }, `${count} ${name.replace("_", " ")}`));
+    const outcomes = Object.entries(found.summary).map(([name, count]) => h("span", { class: `chip o-${name}` }, `${count} ${word(`o_${name}`)}`));
+    const left = found.groups.flatMap((group) => group.checks).filter((one) => one.outcome === "not run");
     const problems = found.diagnostics.filter((one) => one.severity !== "note");
     fill(body, h("p", { class: "verdict" }, h("b", { class: found.ok ? "good" : "bad" }, found.ok ? "\u2713 ok" : "\u2717"), " ", `${[found.project, found.target].filter(Boolean).join(", ")} `, outcomes),
+      left.length ? h("details", { id: "left-out" }, h("summary", {}, `${left.length} ${word("o_not_run")}: ${word("notRun")}`),
+        h("ul", {}, left.map((one) => h("li", {}, h("b", {}, one.subject), ` ${one.text} `, h("span", { class: "quiet" }, one.verdict === "not asked for" ? word("notAsked") : one.verdict))))) : null,
       problems.map((one) => h("p", { class: one.severity === "error" ? "bad" : "" }, `${one.code}: ${one.message}`, h("small", {}, ` ${one.help}`))),
       found.groups.map((group) => h("details", { open: group.checks.some((one) => one.outcome === "error") || group.name === "execution" },
-        h("summary", {}, h("b", {}, group.title), h("small", {}, ` ${group.checks.length}, ${group.checks.filter((one) => one.outcome === "error").length} error`)),
+        h("summary", {}, h("b", {}, group.title), h("small", {}, ` ${group.checks.length}, ${group.checks.filter((one) => one.outcome === "error").length} ${word("o_error")}`)),
         table([word("subject"), word("check"), word("result")], group.checks.map((one) => row(one, asked)), "dense"))),
       h("details", {}, h("summary", {}, word("ledger")), table([word("subject"), word("meaning"), word("source"), ""], found.ledger.map((one) => h("tr", {},
         h("td", {}, one.subject), h("td", {}, one.text), h("td", {}, one.source), h("td", {}, one.grade))), "dense")));
@@ -69,14 +75,16 @@ export function verifyTab(desk) {
     const button = (scenario) => h("button", { class: "open-run", onclick: () => opened(scenario) }, `${word("openRun")}${scenario ? `: ${scenario}` : ""}`);
     return h("tr", { class: one.outcome === "error" ? "danger" : "" }, h("td", {}, one.subject),
       h("td", {}, one.text, one.diagnostic ? h("div", { class: "bad" }, `${one.diagnostic.code}: ${one.diagnostic.message}`, h("small", {}, ` ${one.diagnostic.help}`)) : null,
-        one.runs ? h("div", {}, (one.failed.length ? one.failed : [""]).map(button), room) : null),
-      h("td", { class: `o-${one.outcome.replace(" ", "_")}` }, one.outcome === "error" ? "error" : one.verdict));
+        one.runs ? h("div", {}, (one.failed.length ? one.failed : [""]).map(button), room) : null,
+        one.outcome === "error" && one.diagnostic?.line && /\.(scl|udt|db|awl)$/i.test(one.diagnostic.file)
+          ? h("button", { class: "open-line", onclick: () => source(one.diagnostic.file, one.diagnostic.line) }, `${word("openLine")} ${one.diagnostic.line}`) : null),
+      h("td", { class: `o-${one.outcome.replace(" ", "_")}` }, one.outcome === "error" ? word("o_error") : one.verdict));
   }
 
   return {
     key: "verify", title: "tabVerify",
     content: h("div", { class: "stack" }, h("div", { class: "bar views" }, field(word("source"), origin), field(word("effort"), effort), start, cancel, bar, told), body),
-    cleared() { fill(body); fill(told); },
+    cleared() { empty(); fill(told); },
   };
 }
 
@@ -92,17 +100,19 @@ function replayed(found) {
     const told = await attempt(() => ask("explain", { text: one.hex }));
     if (told?.telegrams) fill(decoded, told.telegrams.map((each) => telegramTable(each, word)));
   };
-  const series = (place) => found.calls.map((call, at) => [call[0], call[place], found.calls[at - 1]?.[place]]).filter(([, now, before]) => now !== before);
-  const list = [["execute", 2, "main"], ["busy", 3, "note"], ["done", 4, "good"], ["error", 5, "bad"]].map(([title, place, style]) => ({ title, group: "", kind: "bool", style, series: series(place) }));
-  list.push({ title: "status", group: "", kind: "state", series: series(6) });
+  const list = Object.entries(found.jobs).flatMap(([group, calls]) => {
+    const series = (place) => calls.map((call) => [call[0], call[place]]);
+    return [...[["execute", 1, "main"], ["busy", 2, "note"], ["done", 3, "good"], ["error", 4, "bad"]].map(([title, place, style]) => ({ title, group, kind: "bool", style, series: series(place) })),
+      { title: "status", group, kind: "state", series: series(5) }];
+  });
   list.push({ title: word("telegrams").toLowerCase(), group: "", kind: "mark", style: "main", series: found.exchanges.map((one) => [one.scan, true]) });
   const room = h("div", { class: "replay" },
-    h("p", {}, h("b", {}, found.scenario), " ", found.failure ? h("span", { class: "bad" }, `${word("scan")} ${found.failure.scan}: ${found.failure.text} (${found.failure.file}:${found.failure.line})`) : ""),
+    h("p", {}, h("b", {}, found.scenario), " ", found.failure ? h("span", { class: "bad" }, `${word("scan")} ${found.failure.scan}: ${found.failure.text} (${found.failure.file}:${found.failure.line})`) : word("notAgain")),
     lanes.box, h("div", { class: "wire" }, found.exchanges.slice(-40).map((one) => h("button", { class: "row", onclick: () => { lanes.go(one.scan); decode(one); } },
       h("span", { class: "n" }, String(one.scan)), h("span", {}, one.direction === "write" || one.direction === ">" ? "\u2192" : "\u2190"), h("span", { class: "hex" }, one.hex || "\u2026")))), decoded);
   requestAnimationFrame(() => {
-    lanes.show(list, found.calls.length, false);
-    lanes.go(found.failure ? found.calls.length : 1);
+    lanes.show(list, found.scans, false);
+    lanes.go(found.failure ? found.scans : 1);
   });
   return room;
 }

@@ -1,0 +1,200 @@
+// The form beside the editor: drives, stations, jobs and parameters; it edits the same text at one place.
+import { fill, h, later, option, field } from "./dom.js";
+import { ask, attempt } from "./ask.js";
+import { named, word } from "./words.js";
+
+export function specForm(desk) {
+  const drives = h("div", { class: "list", id: "drives" });
+  const jobs = h("div", { class: "list", id: "jobs" });
+  const results = h("div", { class: "results", id: "results" });
+  const target = h("select", { id: "target" });
+  const words = h("input", { id: "search", type: "search", placeholder: word("searchHint"), autocomplete: "off" });
+  const partners = h("h3", {}, word("drives"));
+  const catalogue = h("div", {}, h("h3", {}, word("catalogue")), field(word("addTo"), target), words, results);
+  let asking = new AbortController(), added = "";
+
+  async function change(what, given) {
+    const found = await attempt(() => ask("change", { ...desk.now, what, given }));
+    if (!found) return false;
+    desk.editor.apply(found.edits);
+    return true;
+  }
+
+  const search = later(120, async () => {
+    if (!desk.name || !words.value.trim()) return fill(results);
+    asking.abort();
+    asking = new AbortController();
+    const job = target.value.startsWith("jobs/") ? target.value.slice(5) : "";
+    const found = await attempt(() => ask("search", { ...desk.now, job, words: words.value }, asking.signal));
+    if (found) fill(results, rows(found));
+  });
+
+  function rows(found) {
+    const list = found.messages.map((one) => h("article", { class: "hit" }, h("b", {}, one.key), ` ${one.title} `,
+      h("small", {}, one.device), h("div", { class: "pre quiet" }, one.text)));
+    for (const one of found.parameters) {
+      const put = (access) => change("parameter", { job: target.value, parameter: one.parameter, access });
+      list.push(h("article", { class: "hit" },
+        h("details", {}, h("summary", {}, h("b", {}, one.parameter), ` ${one.text}`, one.danger ? h("em", { class: "bad", title: one.danger }, ` ${word("dangerous")}`) : null),
+          h("dl", {}, one.facts.map(([name, text]) => [h("dt", {}, name), h("dd", {}, text)]))),
+        h("button", { disabled: !target.value, onclick: () => put("read") }, word("readIt")),
+        one.writable ? h("button", { disabled: !target.value, onclick: () => put("write") }, word("writeIt")) : null));
+    }
+    for (const one of found.nothing) list.push(h("p", { class: "quiet" }, `${one.device}: ${one.why}`, h("small", {}, ` ${one.help}`)));
+    if (!list.length) list.push(h("p", { class: "quiet" }, word("nothingFound")));
+    if (found.more) list.push(h("p", { class: "quiet" }, word("more")));
+    return list;
+  }
+
+  function addDrive() {
+    const name = h("input", { required: true, value: free("drive", desk.checked?.drives), size: 10 });
+    const { device, rule, object } = deviceFields(desk, "sinamics-s120");
+    const address = h("input", { value: "270", inputmode: "numeric", size: 6, pattern: "[0-9]+" });
+    const label = /300|400/.test(desk.checked?.family ?? "") ? "logicalAddress" : "hardwareId";
+    return adding(word("addDrive"), [field(word("name"), name), field(word("device"), device), field(word(label), address), field(word("driveObject"), object), rule],
+      () => change("drive", { key: name.value, device: device.value, address: address.value, drive_object: object.value }));
+  }
+
+  function addStation() {
+    const lines = desk.checked?.lines ?? [];
+    const line = h("input", { required: true, value: lines[0] ?? "line1", size: 10, list: "lines" });
+    line.setAttribute("list", "lines");
+    const name = h("input", { required: true, value: free("station", desk.checked?.stations), size: 10 });
+    const address = h("input", { value: String(2 + (desk.checked?.stations.length ?? 0)), inputmode: "numeric", size: 4, pattern: "[0-9]+" });
+    const cpu = h("select", {}, option("", word("anyCpu")), desk.folder.cpus.map((one) => option(one)));
+    const port = h("input", { placeholder: "270", inputmode: "numeric", size: 6, pattern: "[0-9]*" });
+    const port_ = field(word("port"), port);
+    const known = () => { port_.hidden = lines.includes(line.value); };
+    line.addEventListener("input", known);
+    known();
+    return adding(word("addStation"), [field(word("line"), line), h("datalist", { id: "lines" }, lines.map((one) => option(one))), port_, field(word("name"), name), field(word("ppiAddress"), address), field("CPU", cpu)],
+      () => change("station", { line: line.value, key: name.value, address: address.value, cpu: cpu.value, port: port.value }));
+  }
+
+  function addJob() {
+    const name = h("input", { required: true, value: free("job", desk.checked?.jobs), size: 10 });
+    const all = [
+      ...(desk.checked?.drives ?? []).map((one) => option(`drive:${one.key}`, one.key)),
+      ...(desk.checked?.stations ?? []).map((one) => option(`station:${one.line}/${one.key}`, `${one.line} / ${one.key}`)),
+    ];
+    const partner = h("select", { id: "job-partner" }, all);
+    const start = h("select", { id: "job-start" }, option("", word("onEdge")), option("cycle", word("onCycle")), option("trigger", word("onFlag")));
+    const when = h("input", { id: "job-when", size: 8 });
+    const recipe = h("input", { id: "job-recipe", size: 12, value: desk.checked?.recipes[0] ?? "recipe1" });
+    const recipeField = field(word("recipe"), recipe), whenField = field(word("every"), when);
+    const kinds = h("div", { class: "kinds", id: "job-kinds", role: "radiogroup", "aria-label": word("kind") });
+    const parameter = h("input", { id: "job-parameter", size: 8, placeholder: "P1120" }), type = h("input", { id: "job-type", size: 12, placeholder: "FloatingPoint" });
+    const asked = [field(word("parameter"), parameter), field(word("type"), type)];
+    let wanted = new AbortController(), kind = "read", offered = [];
+    const partner_ = () => partner.value.split(":");
+    const given = () => {
+      const [sort, key] = partner_();
+      const said = { [sort || "drive"]: key ?? "", ...(kind.endsWith("_recipe") ? { recipe: recipe.value } : {}) };
+      if (offered.find((one) => one.kind === kind)?.asks) Object.assign(said, { parameter: parameter.value, type: type.value || type.placeholder });
+      return start.value ? { ...said, [start.value]: when.value.trim() || when.placeholder } : said;
+    };
+    const reason = (one) => one.lacks || (start.value === "cycle" && !one.cycle ? word("noCycle") : "");
+    const draw = () => {
+      whenField.hidden = start.value === "";
+      whenField.firstChild.textContent = word(start.value === "trigger" ? "flag" : "every");
+      when.placeholder = start.value === "trigger" ? "M50.0" : "1s";
+      recipeField.hidden = !kind.endsWith("_recipe");
+      for (const one of asked) one.hidden = !offered.find((each) => each.kind === kind)?.asks;
+    };
+    const list = () => {
+      if (!offered.some((one) => one.kind === kind && !reason(one))) kind = offered.find((one) => !reason(one))?.kind ?? "";
+      fill(kinds, offered.map((one) => h("label", { class: reason(one) ? "off" : "", title: reason(one) ? `${reason(one)}\n${one.help}` : one.text },
+        h("input", { type: "radio", name: "kind", value: one.kind, disabled: reason(one) !== "", checked: one.kind === kind, onchange: () => { kind = one.kind; draw(); } }),
+        h("span", {}, h("b", {}, named("kind", one.kind)), h("small", {}, reason(one) || one.title)))));
+      draw();
+    };
+    const offer = async () => {
+      draw();
+      if (!all.length) return fill(kinds, h("p", { class: "quiet" }, word("noPartner")));
+      wanted.abort();
+      wanted = new AbortController();
+      const found = await attempt(() => ask("kinds", { ...desk.now, partner: partner_()[1] }, wanted.signal));
+      if (!found) return;
+      offered = found.kinds;
+      list();
+    };
+    partner.addEventListener("change", offer);
+    start.addEventListener("change", list);
+    const made = adding(word("addJob"), [field(word("name"), name), field(word("partner"), partner), field(word("start"), start), whenField, kinds, recipeField, asked], () => {
+      added = `jobs/${name.value}`;
+      return change("job", { key: name.value, kind, ...given() });
+    });
+    draw();
+    made.addEventListener("toggle", () => { if (made.open) offer(); });
+    return made;
+  }
+
+  function adding(title, fields, add) {
+    const send = async (event) => {
+      event.preventDefault();
+      if (await add()) { event.target.closest("details").open = false; outline(desk.checked); }
+    };
+    return h("details", { class: "adding" }, h("summary", {}, title), h("form", { onsubmit: send }, fields, h("button", { class: "main", type: "submit" }, word("create"))));
+  }
+
+  const goTo = (key) => {
+    const line = desk.text.split("\n").findIndex((one) => one.match(new RegExp(`^\\s*["']?${key}["']?\\s*:`)));
+    if (line >= 0) desk.editor.go(line, 2);
+  };
+
+  function outline(found) {
+    if (!found) return;
+    const open = [...form.querySelectorAll("details.adding[open] summary")].map((one) => one.textContent);
+    fill(drives, found.drives.map((one) => h("button", { class: "row", onclick: () => goTo(one.key) }, h("b", {}, one.key), h("small", {}, one.title || "?"))),
+      found.stations.map((one) => h("button", { class: "row", onclick: () => goTo(one.key) }, h("b", {}, one.key), h("small", {}, one.line))),
+      h("div", { class: "adders" }, addDrive(), addStation()));
+    fill(jobs, found.jobs.map((one) => h("button", { class: "row", onclick: () => { goTo(one.key); target.value = one.path.join("/"); search(); } },
+      h("b", {}, one.key), h("small", { title: one.drives.join(", ") }, one.drives.length > 3 ? `${one.drives.length} ${word("drives")}` : one.drives.join(", ")))), addJob());
+    for (const one of form.querySelectorAll("details.adding")) one.open = open.includes(one.firstChild.textContent);
+    const stations = found.stations.length > 0;
+    partners.textContent = [found.drives.length || !stations ? word("drives") : "", stations ? word("stations") : ""].filter(Boolean).join(", ");
+    catalogue.hidden = found.drives.length === 0;
+    const before = target.value;
+    fill(target, found.jobs.filter((one) => one.path[0] === "jobs").map((one) => option(one.path.join("/"), one.key)));
+    const fresh = [...target.options].some((one) => one.value === added) ? added : "";  // what is added goes into the new job
+    if (fresh) added = "";
+    if (fresh || before) target.value = fresh || before;
+  }
+
+  words.addEventListener("input", search);
+  target.addEventListener("change", search);
+  const form = h("aside", { class: "form" },
+    h("div", { class: "bar ways" }, h("button", { class: "plain", id: "undo", title: `${word("undo")} (Ctrl+Z)`, onclick: () => desk.editor.undo() }, "\u21b6"),
+      h("button", { class: "plain", id: "redo", title: `${word("redo")} (Ctrl+Y)`, onclick: () => desk.editor.redo() }, "\u21b7")),
+    partners, drives, h("h3", {}, word("jobs")), jobs, catalogue);
+  return {
+    element: form,
+    checked(found) {
+      if (!document.activeElement?.closest(".adding form")) outline(found);
+      search();
+    },
+  };
+}
+
+// A device, the number of its drive object, and the rule for that.
+export function deviceFields(desk, chosen) {
+  const { devices } = desk.folder;
+  const device = h("select", { name: "device" }, devices.map((one) => option(one.key, `${one.title} (${one.key})`, one.key === chosen)));
+  const object = h("input", { name: "drive_object", inputmode: "numeric", size: 4, pattern: "[0-9]*" });
+  const rule = h("small", { class: "rule" });
+  const draw = () => {
+    const one = devices.find((each) => each.key === device.value);
+    object.value = one?.drive_object ?? "";
+    rule.textContent = one?.rule ?? "";
+  };
+  device.addEventListener("change", draw);
+  draw();
+  return { device, object, rule };
+}
+
+function free(stem, known = []) {
+  const names = new Set(known.map((one) => one.key));
+  let number = 1;
+  while (names.has(`${stem}${number}`)) number += 1;
+  return `${stem}${number}`;
+}
