@@ -476,8 +476,34 @@ def test_a_failed_check_opens_its_run(folder: Path, server: Server) -> None:
     replayed = server.told(
         "replay", {**given, "check": failed[0]["id"], "scenario": next(iter(failed[0]["failed"]), "")}
     )
-    assert replayed["failure"]["scan"] == replayed["calls"][-1][0]
+    assert replayed["failure"]["scan"] == replayed["scans"]
     assert replayed["failure"]["line"] > 0
+
+
+@pytest.mark.slow
+def test_what_all_jobs_do_to_each_other_opens_its_run(folder: Path, server: Server) -> None:
+    """A unit whose first job always comes first: each job alone is right, and together not every one gets its turn.
+
+    The run has signals of every job, telegrams of the drives, and ends in the scan that is told.
+    """
+    asked = {**now(folder, PUMP), "known": server.told("read", {"name": PUMP})["known"]}
+    server.told("write", asked)
+    (file,) = (folder / "s7-1500_g120_pn_generated").glob("*.scl")
+    text = file.read_text("utf-8")
+    broken = text.replace("#statSlot := #statSlot MOD #tempSlots + 1;", "#statSlot := #tempSlot;")
+    assert broken != text
+    file.write_text(broken, "utf-8")
+    given = {"name": PUMP, "text": asked["text"], "origin": "disk"}
+    server.told("verify", {**given, "faults": "quick"})
+    checks = [one for group in done(server)["result"]["groups"] for one in group["checks"]]
+    (together,) = [one for one in checks if one["runs"]]
+    assert (together["id"], len(together["failed"]) > 0) == ("together", True)
+    replayed = server.told("replay", {**given, "check": "together", "scenario": together["failed"][0]})
+    assert replayed["scenario"] == together["failed"][0]
+    assert sorted(replayed["jobs"]) == ["read_faults", "read_speed", "set_ramps"]
+    assert any(True in row[1:2] for rows in replayed["jobs"].values() for row in rows)
+    assert replayed["exchanges"]
+    assert replayed["failure"]["scan"] <= replayed["scans"]
 
 
 @pytest.mark.slow
