@@ -119,12 +119,12 @@ def shown(made: Made, spec: Path, name: str) -> dict[str, Any] | None:
     if file is None:
         return None
     old = _on_disk(default_folder(spec), name)
-    text = decode_source(file.data, name)
     state = _state(file, old)
     return {
         "path": name,
-        "text": text if isinstance(text, str) else file.data.decode("utf-8", "replace"),
+        "text": _text(file.data, name),
         "state": state,
+        "disk": _text(old, name) if state == "changed" and old is not None else "",
         "diff": "".join(file_diff(file, old)) if state == "changed" else "",
     }
 
@@ -160,6 +160,11 @@ def zipped(made: Made, spec: Path) -> bytes:
             info.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(info, file.data)
     return target.getvalue()
+
+
+def _text(data: bytes, name: str) -> str:
+    found = decode_source(data, name)
+    return found if isinstance(found, str) else data.decode("utf-8", "replace")
 
 
 def _on_disk(folder: Path, name: str) -> bytes | None:

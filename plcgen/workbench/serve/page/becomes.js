@@ -39,7 +39,7 @@ export function becomesTab(desk, written) {
   }
 
   function draw() {
-    fill(switcher, VIEWS.map((one) => h("button", { "aria-pressed": one === view ? "true" : "false", onclick: () => { view = one; draw(); } }, word(one))),
+    fill(switcher, VIEWS.map((one) => h("button", { "aria-pressed": one === view ? "true" : "false", onclick: () => { view = one; marked = 0; draw(); } }, word(one))),
       h("span", { class: "space" }), told);
     if (!made) return;
     fill(told, `${made.project}, ${made.target}`);
@@ -67,7 +67,7 @@ export function becomesTab(desk, written) {
   function files() {
     if (!made.files.some((one) => one.path === chosen)) chosen = made.files.find((one) => one.state !== "same")?.path ?? made.files[0].path;
     fill(side, made.files.map((one) => h("button", {
-      class: `row file ${one.state}`, "data-key": one.path, "aria-pressed": one.path === chosen ? "true" : "false", onclick: () => { chosen = one.path; files(); },
+      class: `row file ${one.state}`, "data-key": one.path, "aria-pressed": one.path === chosen ? "true" : "false", onclick: () => { chosen = one.path; marked = 0; files(); },
     }, h("b", {}, one.path), h("small", {}, word(one.state)))));
     part(chosen);
   }
@@ -75,7 +75,7 @@ export function becomesTab(desk, written) {
   async function part(path) {
     const found = await attempt(() => ask("part", { ...desk.now, path }));
     if (!found || path !== chosen || view !== "files") return;
-    const text = () => h("pre", { class: "code" }, found.text.split("\n").map((line, place) => h("div", { class: place + 1 === marked ? "marked" : "" }, h("i", {}, String(place + 1)), line || " ")));
+    const text = () => h("pre", { class: "code" }, (marked && found.disk ? found.disk : found.text).split("\n").map((line, place) => h("div", { class: place + 1 === marked ? "marked" : "" }, h("i", {}, String(place + 1)), line || " ")));
     const page = () => h("div", { class: "guide" }, markdown(found.text));
     const shown = path.endsWith(".md") ? page : text;
     const diff = () => h("pre", { class: "code" }, found.diff.split("\n").map((line) => h("div", {
@@ -85,7 +85,6 @@ export function becomesTab(desk, written) {
     fill(body, h("div", { class: "bar" }, h("b", {}, path), h("span", { class: `chip ${found.state}` }, word(found.state)), h("span", { class: "space" }),
       found.diff ? [h("button", { onclick: flip(diff) }, word("diff")), h("button", { onclick: flip(shown) }, word("text"))] : null), room);
     room.querySelector(".marked")?.scrollIntoView({ block: "center" });
-    marked = 0;
   }
 
   function workList() {
@@ -106,9 +105,9 @@ export function becomesTab(desk, written) {
     cleared() { made = asked = null; chosen = ""; fill(side); fill(body); fill(told); },
     // A line of a generated source.
     async source(file, line) {
+      await load();
       view = "files";
       marked = line;
-      await load();
       chosen = made?.files.find((one) => file === one.path || file.endsWith(`/${one.path}`))?.path ?? chosen;
       draw();
     },

@@ -18,6 +18,16 @@ export function inputFields(job, values, put) {
   });
 }
 
+// The values as they are now; not where somebody types.
+export function renew(within, values) {
+  for (const one of within.querySelectorAll("[data-path]")) {
+    if (one === document.activeElement) continue;
+    if (one.type === "checkbox") one.checked = values[one.dataset.path] === "TRUE";
+    else if (one.matches("input")) one.value = values[one.dataset.path] ?? "";
+    else one.value = String(Number(values[one.dataset.path]));
+  }
+}
+
 // Kinds of faults as a list to choose from; only what counts for the kind is asked.
 export function faultForm(kinds, strike) {
   const kind = h("select", { id: "fault-kind" }, kinds.map((one) => option(one.kind, named(one))));

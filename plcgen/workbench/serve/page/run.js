@@ -3,7 +3,7 @@ import { fill, h, option, field } from "./dom.js";
 import { ask, attempt } from "./ask.js";
 import { word } from "./words.js";
 import { Lanes, telegramTable } from "./lanes.js";
-import { faultForm, inputFields } from "./hand.js";
+import { faultForm, inputFields, renew } from "./hand.js";
 
 const FEW = 6;  // jobs whose lanes are all shown; of more those that have run
 const BOOLS = [["execute", "main"], ["busy", "note"], ["done", "good"], ["error", "bad"]];
@@ -48,6 +48,7 @@ export function runTab(desk) {
     fill(decoded);
     fill(wire, h("p", { class: "quiet" }, word("noExchange")));
     for (const one of [run, step, ten]) one.disabled = false;
+    buildJobs(found);
     take(found);
   }
 
@@ -88,16 +89,25 @@ export function runTab(desk) {
     return list;
   }
 
+  const isOn = (job) => state.series.get(`${job.key}.execute`)?.at(-1)?.[1] === true;
+
+  function buildJobs(found) {
+    fill(jobs, state.jobs.map((job) => h("div", { class: "row job", "data-row": job.key },
+      h("button", { title: job.execute, "aria-label": `execute ${job.key}`, "data-job": job.key, onclick: () => put(`${job.execute.replace(/"/g, "")}=${isOn(job) ? "FALSE" : "TRUE"}`) }),
+      h("b", {}, job.key), h("small", {}), job.inputs.length ? h("div", { class: "inputs" }, inputFields(job, found.inputs, put)) : null)));
+  }
+
   function drawJobs(found) {
-    if (jobs.contains(document.activeElement) && document.activeElement.matches("input, select")) return;  // somebody types
-    fill(jobs, state.jobs.map((job) => {
-      const last = found.results.find((one) => one.job === job.key);
-      const on = state.series.get(`${job.key}.execute`)?.at(-1)?.[1] === true;
-      return h("div", { class: "row job" }, h("button", {
-        "aria-pressed": on ? "true" : "false", title: job.execute, "aria-label": `execute ${job.key}`, "data-job": job.key, onclick: () => put(`${job.execute.replace(/"/g, "")}=${on ? "FALSE" : "TRUE"}`),
-      }, on ? "\u25a0" : "\u25b6"), h("b", {}, job.key), h("small", { class: last?.ending === "error" ? "bad" : "", title: last?.text ?? "" }, last && last.ending !== "not_started" ? `${word(last.ending)} ${last.status}` : ""),
-      job.inputs.length ? h("div", { class: "inputs" }, inputFields(job, found.inputs, put)) : null);
-    }));
+    for (const job of state.jobs) {
+      const row = jobs.querySelector(`[data-row="${CSS.escape(job.key)}"]`), [button, told] = [row.querySelector("button"), row.querySelector("small")];
+      const last = found.results.find((one) => one.job === job.key), on = isOn(job);
+      button.setAttribute("aria-pressed", on ? "true" : "false");
+      button.textContent = on ? "\u25a0" : "\u25b6";
+      told.className = last?.ending === "error" ? "bad" : "";
+      told.title = last?.text ?? "";
+      told.textContent = last && last.ending !== "not_started" ? `${word(last.ending)} ${last.status}` : "";
+    }
+    renew(jobs, found.inputs);
   }
 
   function drawPartners(list) {
