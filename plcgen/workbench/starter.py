@@ -208,11 +208,11 @@ def _of_kinds(kinds: Sequence[str], device: Device) -> str:
     return _with_numbers("\n".join(lines) + "\n" + (_RECIPES if "recipe" in kinds else ""), device)
 
 
-STAND_INS = {"R": 21, "P": 1120, "W": 1030}
-"""Numbers for devices of which no parameter is known that could be read, be written, or be written bit by bit."""
+STAND_INS = {"R": "r21", "P": "P1120", "W": "P1030"}
+"""Parameters for devices of which no parameter is known that could be read, be written, or be written bit by bit."""
 
 
-def samples(device: Device) -> dict[str, int]:
+def samples(device: Device) -> dict[str, str]:
     """Parameters of a device to show jobs with: R to read, P to write, W to write bit by bit; harmless ones only.
 
     What the device is not known to have is missing.
@@ -227,7 +227,8 @@ def samples(device: Device) -> dict[str, int]:
         "P": [*ramp, *(p.pnu for p in writable)],
         "W": [*(number for number in (1030,) if number in words), *words],
     }
-    return {letter: numbers[0] for letter, numbers in fitting.items() if numbers}
+    first = {letter: known[numbers[0]] for letter, numbers in fitting.items() if numbers}
+    return {letter: f"{'r' if one.access == 'r' else 'P'}{one.pnu}" for letter, one in first.items()}
 
 
 def _with_numbers(text: str, device: Device) -> str:
@@ -235,9 +236,9 @@ def _with_numbers(text: str, device: Device) -> str:
     return sampled(text, {**STAND_INS, **samples(device)})
 
 
-def sampled(text: str, numbers: Mapping[str, int]) -> str:
-    """R, P and W stand for parameters with these numbers; what has none stays."""
-    return re.sub(rf"\b[{''.join(numbers)}]\b", lambda found: f"P{numbers[found[0]]}", text) if numbers else text
+def sampled(text: str, parameters: Mapping[str, str]) -> str:
+    """R, P and W stand for these parameters; what has none stays."""
+    return re.sub(r"\b[RPW]\b", lambda found: parameters.get(found[0], found[0]), text)
 
 
 def usable(device: Device) -> tuple[str, ...]:

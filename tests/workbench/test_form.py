@@ -196,3 +196,67 @@ def test_what_is_refused(what: str, given: dict[str, str], said: str, desk: Desk
     """With a reason, and nothing is changed."""
     with pytest.raises(DiagnosticError, match=said):
         made(desk, PLANT, what, **given)
+
+
+SECTIONS = {
+    "drives": "",
+    "jobs": "drives: {axis: {device: sinamics-g120, hardware_id: 270}, maker: {device: profidrive, hardware_id: 271}}\n",
+    "recipes": "drives:\n  axis: {device: sinamics-s120, hardware_id: 270}\njobs:\n  a: {drive: axis, read: [r21]}\n",
+    "ppi": "",
+}
+
+
+@pytest.mark.parametrize("family", ["s7-1200", "s7-1500", "s7-300"])
+@pytest.mark.parametrize("section", SECTIONS)
+def test_an_editor_offers_whole_entries(section: str, family: str, desk: Desk) -> None:
+    """Where an entry would begin: each that is offered, put in as it is, makes a spec without errors."""
+    tool = "tia-v16" if family == "s7-300" else "tia-v19"
+    head = f"plc: {{name: A, family: {family}, toolchain: {tool}}}\n{SECTIONS[section]}"
+    head = head.replace("hardware_id: 27", "address: 27") if family == "s7-300" else head
+    more = "jobs:\n  a: {drive: drive1, read: [P922]}\n" if section == "drives" else ""
+    found = desk.offers(f"{head}{section}:\n  |\n{more}")
+    assert len(found) >= {"drives": 20, "jobs": 12, "recipes": 1, "ppi": 1}[section]
+    for label, (text, _) in found.items():
+        spec = f"{head}{section}:\n  {text}\n{more}"
+        if section == "drives":
+            spec = spec.replace("P922", find_device(label).example())
+        assert errors(spec, desk.folder) == [], label
+
+
+def test_jobs_that_a_drive_lacks_come_last(desk: Desk) -> None:
+    """With the reason beside them: a G120 is one drive object and cannot be left out."""
+    text = PLANT.replace("sinamics-s120", "sinamics-g120").replace("drive_object: 3", "drive_object: 1")
+    found = desk.offers(text.replace("    write: {P1120: 5.0}  # s\n", "    |\n"))
+    assert "not for axis" in found["activate"][1]
+    assert "not for axis" not in found["save"][1]
+    assert list(found).index("save") < list(found).index("activate")
+
+
+def test_what_needs_a_sign_off_comes_last(desk: Desk) -> None:
+    """p0971 saves, p1120 is a ramp: the ramp is offered first, the other says what it needs."""
+    found = desk.offers(PLANT.replace("P1120: 5.0", "|"))
+    assert "sign-off" in found["P971"][1]
+    assert "sign-off" not in found["P1120"][1]
+    assert list(found).index("P1120") < list(found).index("P971")
+    reads = list(desk.offers(PLANT.replace("[r21]", "[|]")))
+    assert reads.index("r21") < reads.index("parameter")
+
+
+def test_a_parameter_that_nobody_knows_is_defined(desk: Desk) -> None:
+    """The fix writes it into its drive with a type, and the error is gone."""
+    text = PLANT.replace("drive: axis, read: [r21], cycle: 1s", "drive: maker, read: [P64000]")
+    document, _, _ = desk.open(text)
+    (found,) = [one for one in desk.workspace.diagnostics(document) if "P64000" in one.diagnostic.message]
+    fix = next(one for one in found.fixes if "FloatingPoint" in one.title)
+    assert edited(text, fix.edits) == text.replace(
+        "hardware_id: 271}", "hardware_id: 271, parameters: {P64000: {type: FloatingPoint}}}"
+    )
+    assert errors(edited(text, fix.edits), desk.folder) == []
+
+
+def test_a_missing_section_comes_last(desk: Desk) -> None:
+    """Jobs are written behind the drives."""
+    text = PLANT[: PLANT.index("jobs:")]
+    document, _, _ = desk.open(text)
+    (found,) = [one for one in desk.workspace.diagnostics(document) if one.diagnostic.code == "PG105"]
+    assert edited(text, found.fixes[0].edits) == f"{text}jobs:\n  "

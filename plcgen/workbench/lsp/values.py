@@ -33,6 +33,7 @@ _OFFERS = {
     "instruction": lsp.CompletionItemKind.Function,
     "type": lsp.CompletionItemKind.Struct,
     "member": lsp.CompletionItemKind.Field,
+    "snippet": lsp.CompletionItemKind.Snippet,
 }
 _SYMBOLS = {
     "section": lsp.SymbolKind.Namespace,

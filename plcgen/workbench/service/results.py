@@ -9,7 +9,9 @@ from typing import Literal, TypeVar, get_args
 from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.base.display.page import Page
 
-OfferKind = Literal["key", "value", "name", "device", "parameter", "variable", "file", "instruction", "type", "member"]
+OfferKind = Literal[
+    "key", "value", "name", "device", "parameter", "variable", "file", "instruction", "type", "member", "snippet"
+]
 SymbolKind = Literal["section", "unit", "drive", "job", "recipe", "station", "variable", "block", "type", "member"]
 
 

@@ -6,11 +6,13 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 
-from plcgen.base.diagnostics import Diagnostic, Severity, Span
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity, Span
 from plcgen.base.diagnostics.codes import code as code_info
 from plcgen.base.files.files import YAML_SUFFIXES, walk
 from plcgen.workbench.service.documents import Document
 from plcgen.workbench.service.results import Edit, Finding, Fix
+from plcgen.workbench.service.specs.drives import drives_at
+from plcgen.workbench.service.specs.form import define
 from plcgen.workbench.service.specs.names import named
 from plcgen.workbench.service.specs.others import problems
 from plcgen.workbench.service.specs.sketch import sketch
@@ -44,8 +46,27 @@ def finding(specs: Specs, diagnostic: Diagnostic) -> Finding:
     """A diagnostic with what its code says and its fixes."""
     info = code_info(diagnostic.code)
     document = specs.documents.get(diagnostic.span.file)
-    fixes = () if document is None else tuple(fixes_of(diagnostic, document))
+    fixes = () if document is None else (*fixes_of(diagnostic, document), *_typed(specs, diagnostic, document))
     return Finding(diagnostic, info.why, diagnostic.help or info.fix, fixes)
+
+
+_UNTYPED = re.compile(r"\A[PpRr]([0-9]+) is not in the catalogue of .*data type is missing")
+
+
+def _typed(specs: Specs, diagnostic: Diagnostic, document: Document) -> Iterator[Fix]:
+    """A parameter that nobody knows, defined in its drive: its type is for the user to choose."""
+    number = _UNTYPED.match(diagnostic.message)
+    if number is None or not document.is_yaml:
+        return
+    state, place = specs.state(document), diagnostic.span
+    at = next((one.path for one in state.sketch.entries if place in {one.key, one.place}), ())
+    drives = drives_at(state, at)
+    for type_ in _TYPES if len(drives) == 1 else ():
+        try:
+            edits = define(state, drives[0].key, int(number[1]), type_)
+        except DiagnosticError:  # the drive stands in another file
+            return
+        yield Fix(f"define P{number[1]} in the drive as {type_}", edits)
 
 
 def _wholes(specs: Specs, part: Document) -> Sequence[Document]:
@@ -91,6 +112,8 @@ def fixes_of(diagnostic: Diagnostic, document: Document) -> Iterator[Fix]:
         yield _allowed(diagnostic, document)
 
 
+_TYPES = ("FloatingPoint", "Unsigned16", "Integer16", "Unsigned32", "Integer32")
+"""Those of nearly all parameters."""
 _ADD = re.compile(
     r"add (?:(allow(?:_safety)?: \{P[0-9]+: )why(\}) to the job|(verify: readback)(?=\Z|,)"
     r"|([a-z_]+: )to this (drive|master))"
@@ -107,7 +130,9 @@ def _additions(diagnostic: Diagnostic, document: Document) -> Iterator[Fix]:
         if first is not None:
             yield Fix(f"add {text.strip()}", (_before(document, first, text),))
     elif lacking is not None and diagnostic.span.line:
-        yield Fix(f"add {lacking[1]}:", (_before(document, diagnostic.span, f"{lacking[1]}: "),))
+        top = diagnostic.message.startswith("the spec lacks")
+        edit = _behind(document, f"{lacking[1]}:\n  ") if top else _before(document, diagnostic.span, f"{lacking[1]}: ")
+        yield Fix(f"add {lacking[1]}:", (edit,))
 
 
 def _first_key_of(document: Document, place: Span, word: str) -> Span | None:
@@ -121,6 +146,13 @@ def _first_key_of(document: Document, place: Span, word: str) -> Span | None:
         and any(matches(one.path[:-1], home) for home in homes)
     ]
     return next((one.key for one in found.below(around[-1].path)), None) if around else None
+
+
+def _behind(document: Document, text: str) -> Edit:
+    """A section behind all others."""
+    last = len(document.lines)
+    column = len(document.lines[-1]) + 1
+    return Edit(Span(document.file, last, column, last, column), f"{'' if column == 1 else chr(10)}{text}")
 
 
 def _before(document: Document, place: Span, text: str) -> Edit:

@@ -6,11 +6,12 @@ Comments, order and style of everything else stay, and an editor takes one step 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from itertools import count
+from typing import TYPE_CHECKING, NamedTuple
 
 from plcgen.base.diagnostics import Report, Span
-from plcgen.ds47.devices import Catalogue
+from plcgen.ds47.devices import Catalogue, device_names, find_device
 from plcgen.ds47.references import parse_reference
 from plcgen.workbench.service.specs.drives import drives_at, known_drive
 from plcgen.workbench.service.specs.entries import Entries, add_parameter, refused
@@ -74,7 +75,6 @@ def _family(state: SpecState) -> str:
 
 
 def _drive(state: SpecState, entries: Entries, given: Given) -> str:
-    """A drive in one line, addressed as its family does it."""
     report, file, key = Report(), state.document.file, _key(state, given)
     device = Catalogue(state.document.path.parent).find(given.get("device", ""), Span(file), report)
     if device is None:
@@ -82,9 +82,14 @@ def _drive(state: SpecState, entries: Entries, given: Given) -> str:
     number = given.get("drive_object", "").strip() or str(device.drive_object)
     if not number.isdecimal():
         raise refused(file, f'"{number}" is no number of a drive object', device.drive_object_rule)
+    return entries.add(["drives"], key, _drive_body(state, given, number))
+
+
+def _drive_body(state: SpecState, given: Given, number: str) -> str:
+    """A drive in one line, addressed as its family does it."""
     where, usual = ("address", "256") if _family(state) in {"s7-300", "s7-400"} else ("hardware_id", "270")
     place = f"{where}: {_address(state, given, usual)}"
-    return entries.add(["drives"], key, f"{{device: {given['device']}, {place}, drive_object: {number}}}")
+    return f"{{device: {given['device']}, {place}, drive_object: {number}}}"
 
 
 def _job(state: SpecState, entries: Entries, given: Given) -> str:
@@ -115,7 +120,7 @@ def _asked(state: SpecState, entries: Entries, body: str, given: Given) -> tuple
     """The parameter of a job that was typed, in the place of the letter that stands for it."""
     number = _number(state, given)
     entries = _defined(state, entries, given.get("drive", ""), number, given.get("type", ""))
-    return sampled(body, dict.fromkeys(STAND_INS, number)), entries
+    return sampled(body, dict.fromkeys(STAND_INS, f"P{number}")), entries
 
 
 def _number(state: SpecState, given: Given) -> int:
@@ -139,6 +144,12 @@ def _defined(state: SpecState, entries: Entries, drive: str, number: int, type_:
         help_ = f"define P{number} there, with its type"
         raise refused(state.document.file, f'"{drive}" stands in another file', help_)
     return entries.then(entries.add([*home, "parameters"], f"P{number}", f"{{type: {type_}}}"))
+
+
+def define(state: SpecState, drive: str, number: int, type_: str) -> tuple[Edit, ...]:
+    """Edits that define a parameter in its drive. Raises DiagnosticError if the drive stands in another file."""
+    entries = Entries(state.document.text, state.document.file)
+    return difference(state.document, _defined(state, entries, drive, number, type_).text)
 
 
 def _parameter(state: SpecState, entries: Entries, given: Given) -> str:
@@ -167,11 +178,12 @@ def _repeated(state: SpecState, entries: Entries, given: Given) -> str:
 def _recipe(state: SpecState, entries: Entries, given: Given) -> str:
     """A recipe with one parameter and two records to begin with."""
     known = known_drive(state, given.get("drive", ""))
-    numbers = {} if known is None or given.get("parameter") else samples(known.device)
-    if "P" not in numbers:
-        numbers = {"P": _number(state, given)}
-        entries = _defined(state, entries, given.get("drive", ""), numbers["P"], given.get("type", ""))
-    return entries.add(["recipes"], _key(state, given), sampled(RECIPE_BODY, numbers))
+    found = {} if known is None or given.get("parameter") else samples(known.device)
+    if "P" not in found:
+        number = _number(state, given)
+        found = {"P": f"P{number}"}
+        entries = _defined(state, entries, given.get("drive", ""), number, given.get("type", ""))
+    return entries.add(["recipes"], _key(state, given), sampled(RECIPE_BODY, found))
 
 
 def _station(state: SpecState, entries: Entries, given: Given) -> str:
@@ -192,3 +204,68 @@ def _station(state: SpecState, entries: Entries, given: Given) -> str:
 _PUTS: Mapping[str, Callable[[SpecState, Entries, Given], str]] = {
     "drive": _drive, "job": _job, "parameter": _parameter, "cycle": _repeated, "recipe": _recipe, "station": _station,
 }  # fmt: skip
+
+
+# --- what an editor offers where a new entry would begin -------------------------------------------------------------
+
+_SHOWN = 4
+"""Drives and stations for which jobs are offered."""
+
+
+class Begun(NamedTuple):
+    """A whole entry: what it is, in a few words, its key and its body in one line of YAML."""
+
+    label: str
+    detail: str
+    key: str
+    body: str
+
+
+def begun(state: SpecState, path: Sequence[str | int]) -> Iterator[Begun]:
+    """Entries to begin with in a section whose keys are the user's own; nothing in others."""
+    taken = {str(one.path[-1]) for one in state.sketch.below(tuple(path))}
+    for one in _begun(state, tuple(path)):
+        yield one._replace(key=_free(one.key, taken))
+
+
+def _free(key: str, taken: Collection[str]) -> str:
+    key = re.sub(r"\W", "_", key)[:22]
+    return key if key not in taken else next(each for n in count(2) if (each := f"{key}{n}") not in taken)
+
+
+def _begun(state: SpecState, path: tuple[str | int, ...]) -> Iterator[Begun]:
+    drives = [key for _, key in [*state.names("drives"), *state.names("units", "*", "drives")]][:_SHOWN]
+    if path == ("drives",):
+        for name in device_names():
+            device = find_device(name)
+            body = _drive_body(state, {"device": name}, str(device.drive_object))
+            yield Begun(name, f"a drive: {device.title}", "drive1", body)
+    elif path == ("jobs",):
+        for drive in drives:
+            yield from _jobs_of(state, drive, f"drive: {drive}", "")
+    elif path == ("recipes",):
+        for drive in drives:
+            known = known_drive(state, drive)
+            if known is not None and "P" in samples(known.device):
+                body = sampled(RECIPE_BODY, samples(known.device))
+                yield Begun(f"recipe of {drive}", "parameters and records with their values", RECIPE, body)
+    elif path == ("ppi",):
+        job = "jobs: {read_s7_200: {station: s7_200, read: [VW100]}}"
+        body = f"{{{ppi_module(_family(state))}, stations: {{s7_200: {{address: 2}}}}, {job}}}"
+        yield Begun("a line", "a module with a station and a job", "line", body)
+    elif len(path) == 3 and path[0] == "ppi" and path[2] == "stations":
+        yield Begun("a station", "an S7-200 with its address on the line", "s7_200", "{address: 2}")
+    elif len(path) == 3 and path[0] == "ppi" and path[2] == "jobs":
+        for _, station in state.names("ppi", str(path[1]), "stations")[:_SHOWN]:
+            yield from _jobs_of(state, f"{path[1]}/{station}", f"station: {station}", station)
+
+
+def _jobs_of(state: SpecState, partner: str, said: str, station: str) -> Iterator[Begun]:
+    """Every kind of job that a partner can have without anything else being said."""
+    recipe = next((name for _, name in state.names("recipes")), "")
+    for one in job_offers(state, partner):
+        recorded = f": {RECIPE}" in one.text
+        if not one.lacks and (recipe if recorded else not one.asks):
+            text = one.text.replace(RECIPE, recipe) if recorded else one.text
+            name = station or partner
+            yield Begun(f"{one.kind} {name}", f"a job: {one.title}", f"{one.kind}_{name}", f"{{{said}, {text}}}")

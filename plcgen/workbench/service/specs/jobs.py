@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -72,7 +72,7 @@ def job_offers(state: SpecState, partner: str) -> tuple[JobOffer, ...]:
     if known is None:
         return ()
     cut = {"plc": data.get("plc"), **_alone(data, partner)}
-    return _tried(json.dumps(cut), state.document.path, (partner,), known.device)
+    return _tried(json.dumps(cut), state.document.path, (partner,), _Same(known.device))
 
 
 def _alone(data: Mapping[str, Any], key: str) -> dict[str, Any]:
@@ -82,22 +82,36 @@ def _alone(data: Mapping[str, Any], key: str) -> dict[str, Any]:
     return {"drives": {key: (data.get("drives") or {}).get(key)}} if home is None else {"units": {home: units[home]}}
 
 
-def _tried(text: str, path: Path, partner: tuple[str, ...], device: Device | None) -> tuple[JobOffer, ...]:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Same:
+    """A device that is the same only if it is the same object: a profile on disk may have become another one."""
+
+    device: Device
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and other.device is self.device
+
+    def __hash__(self) -> int:
+        return id(self.device)
+
+
+@lru_cache(maxsize=64)
+def _tried(text: str, path: Path, partner: tuple[str, ...], same: _Same | None) -> tuple[JobOffer, ...]:
     """Every kind, tried; what all of them have in common is wrong with the partner, and no reason."""
-    trial = _Trial(text, path, partner, {} if device is None else samples(device))
-    forms = _STATION_FORMS if device is None else drive_forms()
+    trial = _Trial(text, path, partner, {} if same is None else samples(same.device))
+    forms = _STATION_FORMS if same is None else drive_forms()
     trial.common = frozenset.intersection(*(frozenset(map(_said, trial.errors(form.texts[0]))) for form in forms))
     return tuple(trial.offer(form) for form in forms)
 
 
 @dataclass(slots=True)
 class _Trial:
-    """A spec without jobs, to which one at a time is added; ``known`` are the numbers of parameters by letter."""
+    """A spec without jobs, to which one at a time is added; ``known`` are parameters by letter."""
 
     base: str
     path: Path
     partner: tuple[str, ...]
-    known: Mapping[str, int]
+    known: Mapping[str, str]
     common: frozenset[tuple[str, str]] = frozenset()
 
     def offer(self, form: JobForm) -> JobOffer:
@@ -144,7 +158,7 @@ class _Trial:
         homes = [data.get("drives"), *((unit or {}).get("drives") for unit in (data.get("units") or {}).values())]
         for drive in (home[key] for home in homes if home and isinstance(home.get(key), dict)):
             missing = {letter: type_ for letter, type_ in _TYPES.items() if letter not in self.known}
-            own = {f"P{STAND_INS[letter]}": {"type": type_} for letter, type_ in missing.items()}
+            own = {STAND_INS[letter]: {"type": type_} for letter, type_ in missing.items()}
             drive["parameters"] = {**own, **(drive.get("parameters") or {})}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from functools import cache
 from itertools import islice
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,8 @@ from plcgen.project.includes import KEY as INCLUDE
 from plcgen.project.variables import KEY as VARIABLES
 from plcgen.workbench.service.results import Edit, Offer
 from plcgen.workbench.service.specs.drives import MOST, KnownDrive, drives_at, in_full, in_short, spelled
+from plcgen.workbench.service.specs.form import begun
+from plcgen.workbench.service.specs.jobs import job_offers
 from plcgen.workbench.service.specs.names import named
 from plcgen.workbench.service.specs.others import kind_of
 from plcgen.workbench.service.specs.shape import Shape, spec_shape
@@ -42,10 +45,12 @@ def offers(specs: Specs, document: Document, line: int, column: int) -> tuple[Of
     if spot.before[:1] == "$":
         return tuple(_variables(state, spot))
     found: list[Offer] = []
-    if spot.role in {"key", "item"}:
-        found += _keys(state, spot)
+    if spot.role == "key":
+        found += [*_begun(state, spot), *_keys(state, spot)]
     if spot.role != "key" or spot.fresh:
         found += _values(state, spot, spot.path, "")
+    if spot.role == "item":
+        found += _keys(state, spot)
     if spot.role == "key" and spot.fresh:
         found += _values(state, spot, (*spot.path, 0), "- ")
     if spot.role != "key":
@@ -78,10 +83,29 @@ def _keys(state: SpecState, spot: Spot) -> Iterator[Offer]:
     yield from _members(state, spot)
     yield from _symbols(state, spot, path, key=True)
     present = {str(one.path[-1]) for one in state.sketch.below(path) if one.key != spot.span}
-    for key in known:
+    lacking = _lacking(state, path)
+    for key in sorted(known, key=lambda key: key in lacking):
         if key not in present and key not in _other_kinds(path, present):
-            meaning = shape.meaning((*path, key))
+            meaning = lacking.get(key) or shape.meaning((*path, key))
             yield _offer(state, spot, key, "key", detail=meaning, text=_said(shape, (*path, key)), key=True)
+
+
+def _lacking(state: SpecState, path: Path) -> dict[str, str]:
+    """Keys of a job for which its drive lacks something, and what that is."""
+    drives = drives_at(state, path) if matches(path, ("jobs", "*")) else []
+    if len(drives) != 1:
+        return {}
+    found = job_offers(state, drives[0].key)
+    could = {one.text.partition(":")[0] for one in found if not one.lacks}
+    keys = {one.text.partition(":")[0]: one.lacks for one in found if one.lacks}
+    return {key: f"not for {drives[0].key}: {why}" for key, why in keys.items() if key not in could}
+
+
+def _begun(state: SpecState, spot: Spot) -> Iterator[Offer]:
+    """Whole entries to begin with, where a section of the spec has keys of the user's own."""
+    for one in begun(state, spot.path):
+        offer = _offer(state, spot, one.label, "snippet", detail=one.detail, key=True)
+        yield replace(offer, edit=replace(offer.edit, text=f"{one.key}: {one.body}"))
 
 
 def _said(shape: Shape, path: Path) -> str:
@@ -175,13 +199,23 @@ def _parameters(
         for one in first.matching(spot.before)
         if ("w" if written else "r") in one.access and all(other.find(spelled(one)) is not None for other in others)
     )
-    for one in islice(fitting, MOST):
+    for risky, one in sorted(
+        ((_is_risky(first, one, written=written), one) for one in islice(fitting, MOST)), key=_risk
+    ):
         name, text = spelled(one), "\n".join(f"{heading}: {said}" for heading, said in in_full(one) if said)
-        yield _offer(state, spot, name, "parameter", detail=in_short(one), text=text, key=key, lead=lead, also=one.name)
+        short = " · ".join(filter(None, (in_short(one), "needs a sign-off" if risky else "")))
+        yield _offer(state, spot, name, "parameter", detail=short, text=text, key=key, lead=lead, also=one.name)
         if one.name and not spot.before[:1].isdigit():
-            yield _offer(
-                state, spot, one.name, "parameter", detail=f"{name} · {in_short(one)}", text=text, key=key, lead=lead
-            )
+            detail = f"{name} · {short}"
+            yield _offer(state, spot, one.name, "parameter", detail=detail, text=text, key=key, lead=lead)
+
+
+def _is_risky(drive: KnownDrive, one: Parameter, *, written: bool) -> bool:
+    return written and bool(drive.device.danger(one.pnu, object_type=drive.object_type))
+
+
+def _risk(pair: tuple[bool, Parameter]) -> bool:
+    return pair[0]
 
 
 def parameter_at(state: SpecState, path: Path) -> tuple[str, list[tuple[KnownDrive, Parameter]]] | None:
