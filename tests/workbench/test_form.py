@@ -200,7 +200,7 @@ def test_what_is_refused(what: str, given: dict[str, str], said: str, desk: Desk
 
 SECTIONS = {
     "drives": "",
-    "jobs": "drives: {axis: {device: sinamics-g120, hardware_id: 270}, maker: {device: profidrive, hardware_id: 271}}\n",
+    "jobs": "drives: {axis: {device: sinamics-g120, hardware_id: 270}, far: {device: profidrive, hardware_id: 271}}\n",
     "recipes": "drives:\n  axis: {device: sinamics-s120, hardware_id: 270}\njobs:\n  a: {drive: axis, read: [r21]}\n",
     "ppi": "",
 }
