@@ -107,7 +107,7 @@ def _kind(kind: str, parameter: str, value: Any) -> dict[str, Any]:
         "until": {
             "sequence": [
                 {"until": {parameter: value, "P42980.1": 1, "P42980.2": 0, "timeout": "3s"}},
-                {"until": {"P42990": "> 100.0"}},
+                {"until": {"P42990": "> 100.0"}, "read": ["P42980"]},
                 {"until": {"P42990": "< 1.0", "interval": "200ms"}},
             ]
         },

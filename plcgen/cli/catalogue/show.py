@@ -61,14 +61,15 @@ def _find(device: Device, words: tuple[str, ...]) -> tuple[list[Parameter], tupl
     """
     from plcgen.base.diagnostics.suggest import did_you_mean
     from plcgen.cli.arguments import arguments
-    from plcgen.ds47.references import parse_reference
+    from plcgen.ds47.references import parse_reference, split_bit
 
     chosen: dict[int, Parameter] = {}
     missing: list[Diagnostic] = []
     searched = False
     names = [one.name for one in device.parameters.values() if one.name]
     for word in arguments(words):
-        reference = parse_reference(word.text)
+        split = split_bit(word.text)  # the page of a word says what its bits mean
+        reference = parse_reference(split[0] if split is not None else word.text)
         number = reference.pnu if reference is not None else None
         one = device.by_name(word.text) if number is None else device.find(number)
         found = [one] if one is not None else device.search(word.text) if number is None else []

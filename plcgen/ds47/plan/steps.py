@@ -126,12 +126,14 @@ def _never(operator: str, value: float, low: float, high: float) -> bool:
 
 
 def divided(packed: Sequence[tuple[Part, ...]], loaded: LoadedSpec, report: Report) -> bool:
-    """PG251: the conditions of a step do not fit one telegram, so that they would not be true at the same time."""
-    steps = [parts[0].use for parts in packed if parts[0].use.as_(Wait)]
-    for first, second in pairwise(steps):
-        if first.step == second.step:
+    """PG251: a step that waits does not fit one telegram, so that all of it would not be true at the same time."""
+    for first, second in pairwise(parts[0].use for parts in packed):
+        if first.step == second.step and first.as_(Wait):
             message = f"the conditions of step {first.step} do not fit one telegram"
             help_ = "split it into several steps: each waits for its own conditions"
+            if second.as_(Wait) is None:
+                message = f"what step {first.step} reads while it waits does not fit one telegram"
+                help_ = "read it in the next step"
             report.add(Diagnostic("PG251", message, loaded.span(second.path), help=help_))
             return True
     return False

@@ -96,7 +96,7 @@ def _conditions(value: object) -> object:
 
 
 class SequenceStep(StrictModel):
-    """One step of a sequence: it reads, it writes, or it waits for values."""
+    """One step of a sequence: it reads, it writes, or it waits for values, and may read others in the same answer."""
 
     FOREIGN = MappingProxyType(
         dict.fromkeys(("wait", "wait_for", "when"), "until: {r722.0: 1, timeout: 5s} waits for a value")
@@ -117,9 +117,9 @@ class SequenceStep(StrictModel):
     @model_validator(mode="after")
     def _one_thing(self) -> SequenceStep:
         given = [key for key in SequenceStep.model_fields if getattr(self, key)]
-        if len(given) != 1:
+        if len(given) != 1 and given != ["read", "until"]:
             what = " and ".join(given) if given else "nothing"
-            help_ = "a step is one of read, write, until: make a separate step for each"
+            help_ = "a step is one of read, write, until, or read with until: make a separate step for each"
             raise problem(f"a step does only one thing, but this one {what}", help_=help_)
         return self
 
@@ -127,16 +127,18 @@ class SequenceStep(StrictModel):
 def step_items(steps: tuple[SequenceStep, ...]) -> Iterator[StepItem]:
     """Every access of a sequence, in order."""
     for number, step in enumerate(steps, 1):
-        for place, item in enumerate(step.read or ()):
-            yield StepItem(number, (number - 1, "read", place), item)
         for place, written in enumerate(step.write or ()):
             yield StepItem(number, (number - 1, "write", place), written)
-        if step.until is None:
-            continue
-        for one in step.until.conditions:
-            awaited = Wait(one.operator, one.bit, step.until.timeout, step.until.interval)
-            asked = ReadItem(parameter=one.parameter)
-            yield StepItem(number, (number - 1, "until", one.place), asked, awaited, one.value)
+        if step.until is not None:
+            yield from _awaited(number, step.until)
+        for place, item in enumerate(step.read or ()):
+            yield StepItem(number, (number - 1, "read", place), item)
+
+
+def _awaited(number: int, until: WaitSettings) -> Iterator[StepItem]:
+    for one in until.conditions:
+        awaited = Wait(one.operator, one.bit, until.timeout, until.interval)
+        yield StepItem(number, (number - 1, "until", one.place), ReadItem(parameter=one.parameter), awaited, one.value)
 
 
 def _steps_schema(definitions: dict[str, Any]) -> dict[str, Any]:

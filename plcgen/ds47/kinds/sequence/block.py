@@ -54,13 +54,18 @@ def _wait(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, always: bo
     """How the answer to a question is compared; a copy of it is needed first where numbers in floating point are."""
     suffix = job.suffix(telegram)
     fields = [field for field in telegram.response.fields if field.role == "value" and field.part is not None]
-    floats = any(field.part is not None and field.part.use.format.kind is FormatKind.FLOAT for field in fields)
+    uses = [field.part.use for field in fields if field.part is not None]
+    floats = any(use.as_(Wait) and use.format.kind is FormatKind.FLOAT for use in uses)
     return {
         "number": telegram.number,
         "branch": "ELSE" if always and telegram is job.telegrams[-1] else f"{telegram.number}:",
         "copied": f"statResponse{suffix}" if floats else "",
         "last": telegram.positive_length - 1,
-        "conditions": [_comparison(plan, job, field, f"statResponseView{suffix}.{field.name}") for field in fields],
+        "conditions": [
+            _comparison(plan, job, field, f"statResponseView{suffix}.{field.name}")
+            for field in fields
+            if field.part is not None and field.part.use.as_(Wait)
+        ],
     }
 
 

@@ -55,8 +55,8 @@ def stepping(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
     waits = [telegram for telegram in job.telegrams if telegram.awaited is not None]
     for telegram in waits:
         assert telegram.awaited is not None  # noqa: S101 - chosen so
-        for place, part in enumerate(telegram.parts, 1):
-            yield from _near(telegram, place, part)
+        for place in _conditions(telegram):
+            yield from _near(telegram, place, telegram.parts[place - 1])
         yield from _late(job, telegram, telegram.awaited)
         yield from _trouble(job, telegram, telegram.awaited)
     late = _all_late(waits)
@@ -96,7 +96,7 @@ def _apart(telegram: DriveTelegram, place: int, part: Part) -> Iterator[DriveSce
 
 def _late(job: DriveJob, telegram: DriveTelegram, awaited: Wait) -> Iterator[DriveScenario]:
     """What is waited for comes later, or never; of several conditions the first that is not true is told."""
-    number, each = telegram.number, range(1, len(telegram.parts) + 1)
+    number, each = telegram.number, _conditions(telegram)
     count = max(1, min(LATE, awaited.limit // awaited.interval - 1))
     missing = _missing(telegram, each)
     slack = 10 * TELEGRAM_SCANS * (len(job.telegrams) + count)
@@ -130,7 +130,7 @@ def _late(job: DriveJob, telegram: DriveTelegram, awaited: Wait) -> Iterator[Dri
 def _trouble(job: DriveJob, telegram: DriveTelegram, awaited: Wait) -> Iterator[DriveScenario]:
     """The second question is refused, or never answered."""
     number = telegram.number
-    missing = _missing(telegram, range(1, len(telegram.parts) + 1))
+    missing = _missing(telegram, _conditions(telegram))
     before = number  # requests in front of the second question
     yield DriveScenario(
         name=f"the drive refuses telegram {number} the second time",
@@ -188,7 +188,7 @@ def _all_late(waits: list[DriveTelegram]) -> DriveScenario:
         count = 1 if awaited is None else max(1, min(LATE, awaited.limit // awaited.interval - 1))
         questions[telegram.number] = count + 1
         first = telegram.number + sum(questions[one] - 1 for one in questions if one < telegram.number)
-        missing = _missing(telegram, range(1, len(telegram.parts) + 1))
+        missing = _missing(telegram, _conditions(telegram))
         reads.update(dict.fromkeys(range(first, first + count), missing))
     return DriveScenario(
         name="every step waits", reads=reads, parts=(Steps(questions=questions),), meddle=True, guarded=True
@@ -207,7 +207,7 @@ def _last_never(job: DriveJob, waits: list[DriveTelegram]) -> Iterator[DriveScen
         return
     late = _all_late(waits)
     first = last.number + sum(count - 1 for number, count in late.of(Steps).questions.items() if number < last.number)
-    missing = _missing(last, range(1, len(last.parts) + 1))
+    missing = _missing(last, _conditions(last))
     wide = _wide(job, awaited)
     slack = wide * TELEGRAM_SCANS * (len(job.telegrams) + sum(late.of(Steps).questions.values()))
     waited = sum((late.of(Steps).questions[one.number] - 1) * one.awaited.interval for one in waits[:-1] if one.awaited)
@@ -233,7 +233,7 @@ def _in_a_pause(telegram: DriveTelegram, scans: int) -> Iterator[DriveScenario]:
     """Execute falls, rises again, or the CPU restarts while it is waited."""
     number, awaited = telegram.number, telegram.awaited
     assert awaited is not None  # noqa: S101 - chosen so
-    missing = _missing(telegram, range(1, len(telegram.parts) + 1))
+    missing = _missing(telegram, _conditions(telegram))
     last = scans + awaited.interval // 10
     late: dict[str, Any] = {"reads": {number: missing}, "parts": (Steps(questions={number: 2}),)}
     for at in range(2, last, max(1, last // POINTS)):
@@ -254,6 +254,11 @@ def _in_a_pause(telegram: DriveTelegram, scans: int) -> Iterator[DriveScenario]:
                 again=None,
                 **late,
             )
+
+
+def _conditions(telegram: DriveTelegram) -> range:
+    """Places of what is waited for; what is read with it comes after that."""
+    return range(1, 1 + sum(part.use.as_(Wait) is not None for part in telegram.parts))
 
 
 def _missing(telegram: DriveTelegram, places: range | tuple[int, ...]) -> Edit:

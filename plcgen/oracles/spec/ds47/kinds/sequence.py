@@ -27,7 +27,10 @@ def sequence_steps(job: JobReader) -> Iterator[StatedStep]:
     for number, step in enumerate(job.job["sequence"], 1):
         below = ("sequence", number - 1)
         if "until" in step:
-            yield _waiting(job, step["until"], number)
+            items = job.items(*below, "read") if "read" in step else []
+            step_ = _waiting(job, step["until"], number)
+            read = tuple(_named(job.reads(item, free=True), number, taken) for item in items)
+            yield replace(step_, accesses=(*step_.accesses, *read))
         elif "read" in step:
             items = job.items(*below, "read")
             read = tuple(_named(job.reads(item, free=True), number, taken) for item in items)
