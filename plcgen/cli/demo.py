@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from plcgen.api import default_folder
+from plcgen.base.diagnostics.counting import quantity
 from plcgen.base.replacing import replace_file
 from plcgen.cli.options import PATH, console, faults_option, verb
 from plcgen.cli.output import OK, PROBLEMS, Console, OutputError
@@ -48,6 +49,7 @@ def _copy(out: Console, folder: Path) -> list[Path]:
 
     folder.mkdir(parents=True, exist_ok=True)
     copies: list[Path] = []
+    copied = 0
     for source in sorted(specs_dir().glob("*.yaml")):
         target = folder / source.name
         data = source.read_bytes()
@@ -56,10 +58,12 @@ def _copy(out: Console, folder: Path) -> list[Path]:
                 replace_file(target, data, None)
             except OSError as problem:
                 raise OutputError(f"cannot write {target}: {problem.strerror or problem}") from problem
-            out.say(f"copied {target}")
+            copied += 1
         elif target.read_bytes() != data:
             out.say(f"kept {target}: it differs from the shipped one")
         copies.append(target)
+    if copied:
+        out.say(f"{quantity(copied, 'spec')} copied to {folder}")
     return copies
 
 

@@ -55,7 +55,13 @@ def _manifest(project: Project, folder: Folder) -> Iterator[Check]:
         message = "these files were made from another state of the spec"
         place = Span(str(folder.path))
         problems.insert(0, Diagnostic("PG504", message, place, Severity.WARNING, help="run plcgen generate"))
-    yield _check("files.manifest", "files", f"{len(known)} files", problems, "complete, unchanged, nothing else")
+    yield _check(
+        "files.manifest",
+        "files",
+        f"{len(known)} files and manifest.json",
+        problems,
+        "complete, unchanged, nothing else",
+    )
     owned = owned_files(project, folder.path, known)
     if owned:
         yield Check("files.owned", "yours", ", ".join(owned), Outcome.OK, "not as generated: user_owned")

@@ -13,6 +13,7 @@ from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
 from plcgen.ds47.proof.wording.grounds import Stated
 from plcgen.ds47.proof.wording.naming import labels, same_number
+from plcgen.ds47.wire.formats import unpack_values
 from plcgen.oracles.spec.ds47.signing import SAFETY
 from plcgen.proof.folder import plain
 from plcgen.proof.wording.languages import title_in
@@ -89,7 +90,20 @@ def _written(plan: DrivePlan, stated: Stated, job: DriveJob, use: Use) -> GuideL
         inside = text.removeprefix(front or "").removesuffix(end).strip()
         return front is not None and text.endswith(end) and says_value(job, use, inside)
 
-    return GuideLine(f"{fronts[0]} {use.data.hex(' ').upper()} {end}", accepts)
+    return GuideLine(f"{fronts[0]} {_value(job, use)} {end}", accepts)
+
+
+def _value(job: DriveJob, use: Use) -> str:
+    """What is written as a person reads it, in place of the literals of the target."""
+    if job.recipe is not None and use.recorded:
+        return f"record of {job.recipe.db.name}"
+    if use in job.timed:
+        return "input, made of the time at utc"
+    if use.bits:
+        return "; ".join(f"bit {one.bit} = {int(any(one.data))}" for one in use.bits)
+    values = unpack_values(use.format, use.count, use.data)[:MOST_VALUES]
+    text = ", ".join(f"{value:.7g}" if isinstance(value, float) else str(value) for value in values)
+    return text if use.constant else f"input, {text} if nothing is connected"
 
 
 def _notes(plan: DrivePlan, stated: Stated, job: DriveJob, use: Use) -> Iterator[str]:

@@ -22,6 +22,7 @@ def sentences() -> Mapping[str, Any]:
     return tomllib.loads((Path(__file__).parent / "sentences.toml").read_text("utf-8"))
 
 
+SIGNED = frozenset({"INT", "DINT", "SINT"})
 MODULES = {"cm1241": "CM 1241", "cb1241": "CB 1241", "cm-ptp": "CM PtP", "cp341": "CP 341"}
 LEAST_GAP_MS = 4
 """Character delay time of a CP 341: at least so many milliseconds (manual of the CP 341)."""
@@ -76,7 +77,19 @@ def _written(front: str, value: PpiValue) -> GuideLine:
         said = text.removeprefix(front).removesuffix("|").strip()
         return text.startswith(front) and says_value(value, said)
 
-    return GuideLine(f"{front} {value.data.hex(' ').upper() if value.constant else 'block input'} |", accepts)
+    return GuideLine(f"{front} {_shown(value) if value.constant else 'block input'} |", accepts)
+
+
+def _shown(value: PpiValue) -> str:
+    """A constant as a person reads it."""
+    data, name = value.data[: value.size], value.element.name
+    if name == "REAL":
+        text = f"{struct.unpack('>f', data)[0]:.7g}"
+    elif name in SIGNED:
+        text = str(int.from_bytes(data, signed=True))
+    else:
+        text = f"16#{data.hex().upper()}"
+    return f"{value.count} times {text}" if value.count > 1 else text
 
 
 def says_value(value: PpiValue, text: str) -> bool:
@@ -100,7 +113,7 @@ def says_value(value: PpiValue, text: str) -> bool:
         return False
     if value.element.name == "REAL":
         return struct.pack(">f", number) == data
-    return int(number) == int.from_bytes(data, signed=value.element.name in {"INT", "DINT", "SINT"})
+    return int(number) == int.from_bytes(data, signed=value.element.name in SIGNED)
 
 
 def listed_master(master: PlannedMaster) -> dict[str, object]:
