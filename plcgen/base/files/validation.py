@@ -332,6 +332,8 @@ class _Teller:
             if error["type"] in {"tuple_type", "list_type"}:
                 written = node.raw if node.plain else f'"{node.raw}"'
                 help_ = f"write [{written}]" if node.raw else "put it in [ ], or each on a line of its own: - one"
+            if _EXPECTED[error["type"]] == "a mapping" and _shown(node) == "a list":
+                help_ = f"write a key, a colon and what belongs to it, without a dash; {self.meaning(path)}".strip("; ")
             help_ = help_ or self.meaning(path)
             return Diagnostic("PG106", f"expected {_EXPECTED[error['type']]}{given}", node.span, help=help_)
         if error["type"] in {"literal_error", "enum"}:

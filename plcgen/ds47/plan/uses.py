@@ -302,7 +302,10 @@ class UseResolver:
             packed = formats.pack_values(fmt, [value])
         except FormatValueError as problem:
             counted = f", in counts of {parameter.unit}" if parameter.scale else ""
-            self.problem("PG208", f"P{parameter.pnu}: {problem}{counted}", path)
+            help_ = (
+                "write a value that this type holds; the type is that of the catalogue, or of parameters: in the drive"
+            )
+            self.problem("PG208", f"P{parameter.pnu}: {problem}{counted}", path, help_)
             return None
         return packed if self._within(value, parameter, path) else None
 
@@ -341,10 +344,11 @@ class UseResolver:
             self.problem("PG211", f'"{value}" is not a value of type {fmt.name}', path, _value_help(fmt))
             return None
         if len(data) > count:
-            self.problem("PG208", f"{len(data)} octets do not fit {fmt.name}[{count}]", path)
+            self.problem("PG208", f"{len(data)} octets do not fit {fmt.name}[{count}]", path, f"write {count} or fewer")
             return None
         if len(data) < count and fmt.kind is FormatKind.OCTETS:
-            self.problem("PG208", f"{fmt.name}[{count}] takes {count} octets, not {len(data)}", path)
+            help_ = "write all of them, two hexadecimal digits for each"
+            self.problem("PG208", f"{fmt.name}[{count}] takes {count} octets, not {len(data)}", path, help_)
             return None
         return data.ljust(count)
 

@@ -187,7 +187,8 @@ class ValueResolver:
             if isinstance(nearest, float) and not isinstance(value, str) and not keeps(nearest, value):
                 raise UnfitValueError(f"Real does not have {value!r}: the nearest is {nearest!r}")
         except (ValueError, OverflowError) as problem:
-            self.problem("PG208", f"{given.item}: {problem}", place)
+            help_ = "write a value that it holds, or a wider address: VW for VB, VD for VW"
+            self.problem("PG208", f"{given.item}: {problem}", place, help_)
             return None
         return data * count
 

@@ -16,7 +16,7 @@ drives: {d: {device: sinamics-dcm, address: 256}}
 jobs:
   j: {drive: d, read: [P952]}   # plcgen: allow PG228 looked up
   # plcgen: allow PG227 always connected
-  w: {drive: d, write: {P50303: }}
+  w: {drive: d, write: {P50303: {start: 5.0}}}
 """
 
 
