@@ -141,6 +141,13 @@ def test_names_fixes_layout_outline(tmp_path: Path) -> None:
         )
         assert places is not None
         assert len(places) == 5  # the definition, two jobs, an item in quotes, an item of a variable
+        uses = await editor.text_document_references_async(
+            lsp.ReferenceParams(
+                context=lsp.ReferenceContext(include_declaration=False), text_document=_document(uri), position=here
+            )
+        )
+        assert uses is not None
+        assert [one for one in places if one not in uses] == [one for one in places if one.uri.endswith("shared.yaml")]
         editor.type(uri, GOOD.replace("write", "wirte"))
         line = lsp.Range(lsp.Position(8, 0), lsp.Position(8, 1))
         asked = lsp.CodeActionParams(_document(uri), line, lsp.CodeActionContext([]))

@@ -330,6 +330,21 @@ def test_hover_of_parameter_and_drive(desk: Desk) -> None:
     assert "set_ramps" in drive
 
 
+def test_hover_says_what_a_drive_lacks(desk: Desk) -> None:
+    """A G120 is one drive object: it cannot be left out, and the reason stands there."""
+    found = desk.hover((HEAD + JOB).replace("  pump:", "  pu|mp:"))
+    assert "Cannot have: activate: SINAMICS G120" in found
+
+
+def test_profiles_of_the_folder_are_devices(desk: Desk) -> None:
+    """A profile beside the spec is offered by its path, other files are not."""
+    (desk.folder / "drives").mkdir()
+    (desk.folder / "drives/acme.yaml").write_text(PROFILE, "utf-8")
+    (desk.folder / "notes.yaml").write_text("title: no profile\n", "utf-8")
+    found = desk.offers(HEAD.replace("device: sinamics-g120", "device: |"))
+    assert [label for label in found if label.startswith("./")] == ["./drives/acme.yaml"]
+
+
 def test_hover_of_a_code(desk: Desk) -> None:
     """A code in a comment is explained."""
     assert "PG228" in desk.hover("# plcgen: allow PG2|28 reason\n" + HEAD + JOB)

@@ -229,7 +229,10 @@ def _references(params: lsp.ReferenceParams) -> list[lsp.Location]:
     if found is None:
         return []
     desk, document, values, line, column = found
-    return [values.location(place) for place in desk.references(document, line, column)]
+    places = desk.references(document, line, column)
+    home = None if params.context.include_declaration else desk.definition(document, line, column)
+    declared = home and (home.file, home.line)
+    return [values.location(place) for place in places if (place.file, place.line) != declared]
 
 
 @server.feature(lsp.TEXT_DOCUMENT_PREPARE_RENAME)

@@ -18,6 +18,7 @@ from plcgen.workbench.service.specs.drives import (
     in_short,
     known_drive,
 )
+from plcgen.workbench.service.specs.jobs import job_offers
 from plcgen.workbench.service.specs.names import name_at
 from plcgen.workbench.service.specs.offers import names_parameters, parameter_at
 from plcgen.workbench.service.specs.others import kind_of
@@ -140,6 +141,9 @@ def _drive(state: SpecState, key: str) -> Page | None:
     jobs = [] if plan is None else [job.path[-1] for job in plan.jobs if job.drive.key == key]
     if jobs:
         sections.append(("Jobs", ", ".join(map(str, dict.fromkeys(jobs)))))
+    lacks = [f"{one.kind}: {one.lacks}" for one in job_offers(state, key) if one.lacks]
+    if lacks:
+        sections.append(("Cannot have", "\n".join(lacks)))
     return Page(key, "drive", tuple(sections))
 
 

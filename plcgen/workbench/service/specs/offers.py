@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cache
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
-from plcgen.base.diagnostics import Span
+from plcgen.base.diagnostics import DiagnosticError, Span
 from plcgen.base.files.files import YAML_SUFFIXES, walk
 from plcgen.ds47.device import Parameter
 from plcgen.ds47.devices import find_device, named_parameters
@@ -143,6 +144,9 @@ def _values(state: SpecState, spot: Spot, path: Path, lead: str) -> Iterator[Off
     if path and path[-1] == "device":
         for name in words:
             yield _offer(state, spot, name, "device", detail=find_device(name).title, lead=lead)
+        for name in _files(state):
+            if _is_profile(state, name):
+                yield _offer(state, spot, f"./{name}", "file", detail="a profile of your own", lead=lead)
         return
     yield from _value_names(state, spot, path, lead)
     for word in words:
@@ -161,6 +165,17 @@ def _files(state: SpecState) -> Iterator[str]:
         if (folder / name).suffix.lower() in YAML_SUFFIXES and folder / name != own
     )
     return islice(found, MOST)
+
+
+_PROFILE = re.compile(r"(?m)^record_index\s*:")
+
+
+def _is_profile(state: SpecState, name: str) -> bool:
+    path = state.document.path.parent / name
+    try:
+        return _PROFILE.search(state.read(path, path.as_posix())) is not None
+    except DiagnosticError:
+        return False
 
 
 def _variables(state: SpecState, spot: Spot) -> Iterator[Offer]:
