@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 import random
 from pathlib import Path
 
 import pytest
 
 from plcgen.workbench.service import Document, Workspace
-from plcgen.workbench.service.sources import parts, version
+from plcgen.workbench.service.sources import parts, version, views
 from tests.projects import generated_example
 from tests.workbench.desk import Desk
 
@@ -101,3 +102,19 @@ def test_answers_are_those_of_the_whole(kind: str, desk: Desk, monkeypatch: pyte
                 patch.setattr(parts, "LARGE", 1_000_000)
                 whole = answers(fresh, fresh.open(document.path, document.text), line)
             assert found == whole, (kind, at)
+
+
+def test_edits_leave_nothing(desk: Desk) -> None:
+    """After 200 edits that are each asked about there is one state for each part, and no colours of others."""
+    text = large()
+    assert "// a rising edge" in text
+    for number in range(200):
+        document, *_ = desk.open(text.replace("// a rising edge", f"// {number}", 1), "large.scl")
+        desk.workspace.tokens(document)
+        desk.workspace.hover(document, 700, 5)
+    gc.collect()
+    kept = [one for one in gc.get_objects() if isinstance(one, version.SourceState)]
+    count = len(desk.workspace.tokens(document))
+    assert count > 3
+    assert len(kept) == count
+    assert len(views._PAINTED) <= count
