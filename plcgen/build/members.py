@@ -42,8 +42,11 @@ def fixed(frame: Frame, rows: Iterable[tuple[str, str, str]]) -> list[MemberRow]
     return [plain(frame, name, words[type_], text) for name, type_, text in rows]
 
 
-def initializer(type_: DataType, data: bytes, *, v5: bool) -> str:
-    """Literal of a start value; of an array ``[3(10.0), 5.0]``, STEP 7 V5: ``3(10.0), 5.0``; none for zeros."""
+def initializer(type_: DataType, data: bytes, *, v5: bool, runs: bool = True) -> str:
+    """Literal of a start value; of an array ``[3(10.0), 5.0]``, STEP 7 V5: ``3(10.0), 5.0``; none for zeros.
+
+    Without ``runs`` elements that are not all alike stand for themselves, as they come back from a document.
+    """
     if not isinstance(type_, ArrayType):
         return literal(type_, data, v5=v5) if isinstance(type_, Elementary) else ""
     others, element = dict(array_elements(type_, data, v5=v5)), type_.element
@@ -51,9 +54,11 @@ def initializer(type_: DataType, data: bytes, *, v5: bool) -> str:
         return ""
     default = literal(element, b" " if element.name == "CHAR" else bytes(element.bits // 8), v5=v5)
     low, high = type_.bounds[0]
-    same = groupby(others.get(index, default) for index in range(low, high + 1))
-    runs = [(text, len([*texts])) for text, texts in same]
-    found = ", ".join(text if count == 1 else f"{count}({text})" for text, count in runs)
+    texts = [others.get(index, default) for index in range(low, high + 1)]
+    if runs or len(set(texts)) == 1:
+        same = ((text, len([*each])) for text, each in groupby(texts))
+        texts = [text if count == 1 else f"{count}({text})" for text, count in same]
+    found = ", ".join(texts)
     return found if v5 else f"[{found}]"
 
 

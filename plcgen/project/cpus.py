@@ -57,7 +57,7 @@ class CpuType:
     of which only that for data is known for the S7-1500: nobody estimates its code.
 
     ``blocks`` is how many blocks there can be, ``counts`` how many of a kind (FB, DB), ``numbers`` which numbers they
-    have. ``block_size`` and ``db_size`` are the bytes of the largest code block and DB with standard access.
+    have. ``redundant``: it is one of a pair (S7-400H, S7-1500R/H). ``block_size`` and ``db_size`` are the bytes of the largest code block and DB with standard access.
     """
 
     name: str
@@ -73,6 +73,7 @@ class CpuType:
     block_size: CpuFact | None
     db_size: CpuFact | None
     record_jobs: RecordJobLimit
+    redundant: bool
 
 
 def cpu_names(family: str | None = None) -> tuple[str, ...]:
@@ -81,8 +82,14 @@ def cpu_names(family: str | None = None) -> tuple[str, ...]:
 
 
 def find_cpu(name: str) -> CpuType | None:
-    """The CPU type of this name in any common spelling (``CPU 315-2 DP``); None if the table has none."""
-    return _spellings().get(_plain(name))
+    """The CPU type of this name in any common spelling, or of an order number; None if the table has none.
+
+    ``CPU 315-2 DP``, ``1516F-3 PN/DP``, ``1214C AC/DC/Rly``, ``6ES7516-3AN02-0AB0``.
+    """
+    plain = _plain(name)
+    if not plain.startswith(_ORDER):
+        return _spellings().get(_SUPPLY.sub("", plain))
+    return next((known for stem, known in _orders().items() if plain.startswith(_ORDER + stem)), None)
 
 
 def cpu(name: str) -> CpuType:
@@ -97,17 +104,39 @@ def _plain(name: str) -> str:
     return re.sub(r"[\s/_-]", "", name.upper()).removeprefix("CPU")
 
 
+_ORDER = "6ES7"
+"""What every order number of a CPU begins with."""
+_SUPPLY = re.compile(r"(?:AC|DC)DC(?:DC|RLY|RELAY)\Z")
+"""Supply, inputs and outputs behind the name of an S7-1200, as ``_plain`` has them: DC/DC/DC, AC/DC/RLY."""
+
+
 @functools.cache
 def _spellings() -> dict[str, CpuType]:
-    return {_plain(name): known for name, known in _table().items()}
+    rows, known = _rows(), _table()
+    return {_plain(own): known[name] for name, row in rows.items() for own in (name, *row.get("named", ()))}
+
+
+@functools.cache
+def _orders() -> dict[str, CpuType]:
+    known = _table()
+    return {_plain(stem): known[name] for name, row in _rows().items() for stem in row.get("orders", ())}
+
+
+@functools.cache
+def _data() -> Any:
+    path = specs_dir() / "cpus" / "s7.yaml"
+    return load_yaml(read_text(path), path.as_posix()).data()
+
+
+def _rows() -> dict[str, dict[str, Any]]:
+    rows: dict[str, dict[str, Any]] = _data()["cpus"]
+    return rows
 
 
 @functools.cache
 def _table() -> dict[str, CpuType]:
-    path = specs_dir() / "cpus" / "s7.yaml"
-    data = load_yaml(read_text(path), path.as_posix()).data()
-    groups, sources = data["groups"], data["sources"]
-    return {name: _cpu(name, groups[row["group"]] | row, sources) for name, row in data["cpus"].items()}
+    groups, sources = _data()["groups"], _data()["sources"]
+    return {name: _cpu(name, groups[row["group"]] | row, sources) for name, row in _rows().items()}
 
 
 def _cpu(name: str, row: dict[str, Any], sources: dict[str, str]) -> CpuType:
@@ -139,4 +168,5 @@ def _cpu(name: str, row: dict[str, Any], sources: dict[str, str]) -> CpuType:
         record_jobs=RecordJobLimit(
             jobs["jobs"], jobs["together"], jobs["per"], jobs.get("newer"), jobs.get("since", ""), sources[jobs_source]
         ),
+        redundant=row.get("redundant", False),
     )

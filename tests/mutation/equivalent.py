@@ -76,7 +76,7 @@ EQUIVALENT = {
         "of two telegrams, the one before and the one behind are the same"
     ),
     r"^\w+: 0 -> 1: IF statLast > 0 AND NOT statChanged THEN": "a buffer is read in two telegrams at least",
-    r"^\w+: (0|7|13|17|25|93|213) -> \d+: FOR tempIndex := 0 TO \d+ DO statResponse\d*\[tempIndex\] :=": (
+    r"^\w+: (0|7|13|17|25|93|213) -> \d+: FOR tempIndex := 0 TO \d+ DO statResponseBytes\d*\[tempIndex\] :=": (
         "of an answer in an instance only the values are read: neither its reference nor a byte behind it"
     ),
     r"^\w+: 2 -> 3: tempApart := LIMIT\(MN := -2, IN := 256 \* tempApart": (
@@ -117,7 +117,7 @@ EQUIVALENT = {
     r"^SetMop: - -> \+: FOR tempByte := 0 TO statSizes\[tempIndex\] - 1 DO unit\.te": (
         "what is behind a value is written next, or behind the telegram"
     ),
-    r"^SetMop: (B#16#04 -> B#16#05: IF rounding|B#16#FA -> B#16#FB: statRequest2)": "bit 0 is always written, as 1",
+    r"^SetMop: (B#16#04 -> B#16#05: IF rounding|B#16#FA -> B#16#FB: statRequestBytes2)": "bit 0 is always written, as 1",
     r"^CheckAxis: (\* -> \+|6 -> 7): deviations\[tempOthers\]\.index := .* \(1\)$": (
         "no parameter has an index: the bytes are 0"
     ),

@@ -165,7 +165,7 @@ DAMAGE = {
     "drive object of the spec": (
         "Get",
         "",
-        "#statRequest[2] := #driveObject;",
+        "#statRequest.driveObject := #driveObject;",
         ";",
         "instances|telegram 1 is",
     ),

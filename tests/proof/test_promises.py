@@ -30,7 +30,7 @@ jobs:
   get: {drive: one, read: [P1120, P1121, "r945[0..7]"]}
 """
 START, TAKE, CHANNEL = "IF #statTicket.start THEN", "IF #statTicket.take THEN", "DriveChannel"
-OUTPUT = "#rampUpTime := #statResponseView.rampUpTime;"
+OUTPUT = "#rampUpTime := #statResponse.rampUpTime;"
 WORD = "WORD_TO_UINT(UINT_TO_WORD(#hardwareId)"
 BROKEN = {
     "the record changes during a request": (
@@ -62,7 +62,7 @@ BROKEN = {
     ),
     "NaN is not passed on": (
         "Get", "Get", OUTPUT,
-        f"IF #statResponseView.rampUpTime = #statResponseView.rampUpTime THEN {OUTPUT} END_IF;", "NaN comes",
+        f"IF #statResponse.rampUpTime = #statResponse.rampUpTime THEN {OUTPUT} END_IF;", "NaN comes",
     ),
     "-0.0 becomes 0.0": ("Get", "Get", OUTPUT, OUTPUT.replace(":=", ":= 0.0 +"), "-1, -0.0, 2**15, 2**31"),
     "-0.0 is sent as 0.0": ("Set", "Set", ":= #rampUpTime;", ":= 0.0 + #rampUpTime;", "-1, -0.0, 2**15, 2**31"),
@@ -159,7 +159,7 @@ def test_a_take_over_from_one_job_only_is_noticed(tmp_path: Path) -> None:
     project, folder = generated(tmp_path, THREE)
     copy = "FOR #tempIndex := 0 TO 9 DO #unit.telegram"
     broken(folder, "C", copy, f"IF #unit.order.length <> 16 THEN {copy}")
-    broken(folder, "C", "#statRequest[#tempIndex]; END_FOR;", "#statRequest[#tempIndex]; END_FOR; END_IF;")
+    broken(folder, "C", "#statRequestBytes[#tempIndex]; END_FOR;", "#statRequestBytes[#tempIndex]; END_FOR; END_IF;")
     failed: list[Failure] = []
     for procedure in suite_of(project).procedures(ProgramBench(project, folder).program):
         if procedure.name in {"all jobs again and again", "every job takes its unit over from every other"}:

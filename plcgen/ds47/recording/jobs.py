@@ -224,12 +224,12 @@ class DriveJobWatch:
 def value_path(job: DriveJob, use: Use) -> str:
     """Where an instance has a value; of a time as it is sent, of messages and records as they came or are sent."""
     if use in job.timed:
-        return f"statRequestView.{use.member}"
+        return f"statRequest.{use.member}"
     if job.messages is None and not use.recorded:
         return use.member
     number = next(one.number for one in job.telegrams if one.parts[-1].use.position >= use.position)
-    view = "Request" if use.writes else "Wanted" if use.as_(Compare) else "Response"
-    return f"stat{view}View{number if len(job.telegrams) > 1 else ''}.{use.member}"
+    view = "Request" if use.writes else "WantedView" if use.as_(Compare) else "Response"
+    return f"stat{view}{number if len(job.telegrams) > 1 else ''}.{use.member}"
 
 
 def _octets(value: object) -> object:

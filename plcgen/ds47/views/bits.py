@@ -22,7 +22,7 @@ def bit_inputs(job: DriveJob) -> Iterator[dict[str, Any]]:
                     octet = use.format.size - 1 - number // 8
                     yield {
                         "interface": one.member,
-                        "octet": f"statRequest{job.suffix(telegram)}[{sent.offset + octet}]",
+                        "octet": f"statRequestBytes{job.suffix(telegram)}[{sent.offset + octet}]",
                         "mask": f"B#16#{mask:02X}",
                         "others": f"B#16#{_BYTE ^ mask:02X}",
                     }
@@ -39,8 +39,8 @@ def merges(job: DriveJob, telegram: DriveTelegram) -> Iterator[dict[str, Any]]:
             if own != _BYTE:
                 yield {
                     "label": use.label if octet == 0 or use.mask[octet - 1] == _BYTE else "",
-                    "octet": f"statRequest{job.suffix(telegram)}[{sent.offset + octet}]",
-                    "old": f"statResponse{answer.number}[{came.offset + octet}]",
+                    "octet": f"statRequestBytes{job.suffix(telegram)}[{sent.offset + octet}]",
+                    "old": f"statResponseBytes{answer.number}[{came.offset + octet}]",
                     "mask": f"B#16#{own:02X}" if own else "",
                     "others": f"B#16#{_BYTE ^ own:02X}",
                 }

@@ -191,9 +191,6 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "use_count": len(job.uses),
         "use_numbers": range(1, len(job.uses) + 1),
         "in_a_row": len(job.uses) > _UNROLLED,
-        "fills_requests": not job.pinned
-        and not job.compares
-        and (any(use.bit is None for use in job.supplied) or bool(job.timed)),
         "inputs": [value.member for value in _inputs(plan, job)],
         "outputs": [value.member for value in _outputs(plan, job)],
         "telegrams": [_telegram(plan, job, telegram, parts, aligned=aligned) for telegram in job.telegrams],
@@ -282,7 +279,7 @@ def _telegram(
         "response_type": telegram.response.type.name,
         "request_length": len(telegram.request.data),
         "request_last": len(telegram.request.data) - 1,
-        "bytes": byte_array(telegram.request.data, v5=plan.target.v5),
+        "drive_object": next(field.name for field in telegram.request.fields if field.role == "drive_object"),
         "response_last": telegram.response.size - 1,
         "positive_last": min(telegram.positive_length, telegram.response.size) - 1,
         "count": len(telegram.parts),
@@ -344,7 +341,7 @@ def copies(
     wanted = job.compares
     if telegram.writes == response and not wanted:
         return found
-    view = f"stat{'Wanted' if wanted else 'Response' if response else 'Request'}View{job.suffix(telegram)}"
+    view = f"stat{'WantedView' if wanted else 'Response' if response else 'Request'}{job.suffix(telegram)}"
     blocks = {id(part): number for number, part in enumerate(telegram.parts, 1)}
     for field in telegram.response.fields if response or wanted else telegram.request.fields:
         if field.role != "value" or field.part is None or (not response and field.part.use.constant):

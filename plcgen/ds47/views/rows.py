@@ -22,9 +22,16 @@ def buffer_blocks(plan: DrivePlan, job: DriveJob, title: str) -> list[tuple[Type
     for telegram in job.telegrams:
         for which, buffer in (("Request", telegram.request), ("Response", telegram.response)):
             members = [_member(plan, buffer, field, response=which == "Response") for field in buffer.fields]
-            type_ = TypeBlock(buffer.type, members, job.comment)
+            if starts := which == "Request" and buffer.db is None:
+                members = [_started(plan, member, field) for member, field in zip(members, buffer.fields, strict=True)]
+            type_ = TypeBlock(buffer.type, members, job.comment, starts=starts)
             found.append((type_, _data(buffer.db, f"{which}: {title}", members, job)))
     return found
+
+
+def _started(plan: DrivePlan, member: MemberRow, field: DriveField) -> MemberRow:
+    """A member of the type of a request that has no data block: its start value is that of every instance."""
+    return member._replace(start=initializer(field.type, field.data, v5=plan.target.v5, runs=False))
 
 
 def interface_row(plan: DrivePlan, use: Use, *, start: bool) -> MemberRow:

@@ -28,7 +28,12 @@ DAMAGE = {
     # the only fault that remains is 0100h, the first one
     (MESSAGES, "ClearFaults", "10 -> 11: FOR #tempIndex", 1): "one fault remains, which is octet 0 of all of them",
     # the second word of an error of the run before
-    (RECIPE, "StoreWinding", "dropped: #errorInfos[#tempIndex] := W#16#0000", 1): "errorInfos[5] are 16#FFFF, 261",
+    (
+        RECIPE,
+        "StoreWinding",
+        "dropped: #diagnosis.errorInfos[#tempIndex] := W#16#0000",
+        1,
+    ): "errorInfos[5] are 16#FFFF, 261",
     # a record counts in the start only, and a zero is compared behind a number that is none
     (RECIPE, "StoreWinding", "dropped: #statExecuteOld := #execute", 1): "does not stay while execute is TRUE",
     (RECIPE, "CheckWinding", "dropped: #statExecuteOld := #execute", 1): "does not stay while execute is TRUE",
@@ -47,7 +52,7 @@ DAMAGE = {
     (SEQUENCE, "SetUp", "dropped: #statInterval", 1): "every step waits, after a download",
     # what another job has left in the unit, the drive object of another instance, the answer of a neighbour
     (SEQUENCE, "SetUp", "dropped: #unit.expected[1]", 2): "what is expected of P10 in telegram",
-    (SEQUENCE, "SetUp", "dropped: #statRequest2[2]", 1): "instance near addresses drive object 2 instead of 3",
+    (SEQUENCE, "SetUp", "dropped: #statRequest2.driveObject", 1): "instance near addresses drive object 2 instead of 3",
     (SEQUENCE, "Release", "3 -> 4: IF #diagnosis.errors[3]", 1): "p2 is",
 }
 """Spec, file, beginning and turn of a mutant, and what is said about it."""

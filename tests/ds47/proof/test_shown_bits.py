@@ -47,7 +47,7 @@ def test_each_bit_is_an_output(plant: Plant, r899: int, p2900: int, p2901: int, 
 
 DAMAGE = {
     "another bit": ("B#16#04) <> B#16#00", "B#16#08) <> B#16#00"),
-    "another octet": ("#operationEnabled := (#statResponse[7]", "#operationEnabled := (#statResponse[6]"),
+    "another octet": ("#operationEnabled := (#statResponseBytes[7]", "#operationEnabled := (#statResponseBytes[6]"),
     "the other way round": ("AND B#16#04) <> B#16#00", "AND B#16#04) = B#16#00"),
     "of an answer that is an error": (
         "IF #diagnosis.errors[1] = W#16#0000 THEN #operationEnabled",

@@ -54,7 +54,7 @@ def test_a_generated_folder_both_ways(version: str, tmp_path: Path) -> None:
     made = per_block_spec("s7-1500_g120_pn").parent / "out"
     sources = [made / name for name in ("udt", "db", "scl")]
     there = plcgen.convert(*sources, to="xml", out=tmp_path / "xml", version=version)
-    assert (there.diagnostics, len(there.written)) == ((), 24)
+    assert (there.diagnostics, len(there.written)) == ((), 27)
     for name in there.written:
         assert check_invariants(tmp_path / "xml" / name) == []
     back = plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl")
@@ -69,7 +69,7 @@ def test_a_generated_folder_both_ways(version: str, tmp_path: Path) -> None:
 def test_islands_of_converted_documents_are_valid(version: str, tmp_path: Path) -> None:
     """By Siemens' schemas, where they are at hand."""
     plcgen.convert(*put(tmp_path, a_scl=FB, b_db=INSTANCE), EXAMPLE, to="xml", out=tmp_path / "xml", version=version)
-    assert len(list((tmp_path / "xml").glob("*.xml"))) == 26
+    assert len(list((tmp_path / "xml").glob("*.xml"))) == 29
     assert [m for path in (tmp_path / "xml").glob("*.xml") for m in validate_islands(path, version)] == []
 
 

@@ -28,7 +28,7 @@ def clock_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any] | None:
         return None
     fields = job.telegrams[0].request.fields  # their names are not those of the uses where the FAQ names them
     values = {id(field.part.use): field.name for field in fields if field.role == "value" and field.part is not None}
-    days, milliseconds = (f"statRequestView.{values[id(use)]}" for use in job.timed)
+    days, milliseconds = (f"statRequest.{values[id(use)]}" for use in job.timed)
     return {
         "type": declared_type(job.clock, tia=not plan.target.v5),
         "parts": job.clock.name == "DTL",

@@ -99,7 +99,7 @@ def _codes(job: DriveJob) -> Iterator[dict[str, Any]]:
         telegram, offset = kept[part.use.place]
         yield {
             "again": _offset(job.telegrams[-1], part),
-            "kept": f"statResponse{job.suffix(telegram)}",
+            "kept": f"statResponseBytes{job.suffix(telegram)}",
             "offset": offset,
             "last": part.size - 1,
         }
@@ -115,7 +115,7 @@ def _column(plan: DrivePlan, use: Use, column: Column, views: dict[int, str]) ->
 
 def _view_of(telegram: DriveTelegram, part: Part) -> str:
     name = next(field.name for field in telegram.response.fields if field.role == "value" and field.part is part)
-    return f"statResponseView{telegram.number}.{name}"
+    return f"statResponse{telegram.number}.{name}"
 
 
 def _indexes(group: int, *, latest_last: bool) -> str:

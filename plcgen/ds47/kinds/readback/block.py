@@ -66,7 +66,7 @@ def _comparisons(job: DriveJob, answer: DriveTelegram) -> Iterator[dict[str, Any
                     "label": found.use.label,
                     "opens": opens,
                     "block": blocks[id(found)],
-                    "request": f"statRequest{job.suffix(telegram)}",
+                    "request": f"statRequestBytes{job.suffix(telegram)}",
                     "sent": sent.offset + (start - sent.part.start) * size,
                     "found": came.offset + (start - found.start) * size,
                     "size": size,

@@ -123,7 +123,7 @@ def recipe_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
         for telegram in job.telegrams
         for field in telegram.request.fields
         if job.writes and field.role == "value" and field.part is not None and field.part.use.recorded
-        if (check := _check(plan, field, field.part, f"statRequestView{job.suffix(telegram)}.{field.name}"))
+        if (check := _check(plan, field, field.part, f"statRequest{job.suffix(telegram)}.{field.name}"))
     ]
     return {
         "type": recipe.type.name,

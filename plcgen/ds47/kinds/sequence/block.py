@@ -59,10 +59,10 @@ def _wait(plan: DrivePlan, job: DriveJob, telegram: DriveTelegram, *, always: bo
     return {
         "number": telegram.number,
         "branch": "ELSE" if always and telegram is job.telegrams[-1] else f"{telegram.number}:",
-        "copied": f"statResponse{suffix}" if floats else "",
+        "copied": f"statResponseBytes{suffix}" if floats else "",
         "last": telegram.positive_length - 1,
         "conditions": [
-            _comparison(plan, job, field, f"statResponseView{suffix}.{field.name}")
+            _comparison(plan, job, field, f"statResponse{suffix}.{field.name}")
             for field in fields
             if field.part is not None and field.part.use.as_(Wait)
         ],
@@ -73,7 +73,7 @@ def _told(job: DriveJob) -> str:
     """The last byte of the value that the first telegram writes."""
     fields = job.telegrams[0].request.fields
     last = next(one.offset + one.part.size - 1 for one in fields if one.role == "value" and one.part is not None)
-    return f"statRequest1[{last}]"
+    return f"statRequestBytes1[{last}]"
 
 
 def _comparison(plan: DrivePlan, job: DriveJob, field: DriveField, member: str) -> dict[str, Any]:

@@ -39,7 +39,7 @@ def _telegram(_: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> list[dict
                 {
                     "name": bit.member,
                     "use": use.position,
-                    "octet": f"statResponse{job.suffix(telegram)}[{octet}]",
+                    "octet": f"statResponseBytes{job.suffix(telegram)}[{octet}]",
                     "mask": f"B#16#{1 << number % 8:02X}",
                 }
             )
