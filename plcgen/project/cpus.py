@@ -57,7 +57,8 @@ class CpuType:
     of which only that for data is known for the S7-1500: nobody estimates its code.
 
     ``blocks`` is how many blocks there can be, ``counts`` how many of a kind (FB, DB), ``numbers`` which numbers they
-    have. ``redundant``: it is one of a pair (S7-400H, S7-1500R/H). ``block_size`` and ``db_size`` are the bytes of the largest code block and DB with standard access.
+    have. ``redundant``: it is one of a pair (S7-400H, S7-1500R/H). ``block_size`` and ``db_size`` are the bytes of the
+    largest code block and DB with standard access.
     """
 
     name: str

@@ -117,7 +117,9 @@ EQUIVALENT = {
     r"^SetMop: - -> \+: FOR tempByte := 0 TO statSizes\[tempIndex\] - 1 DO unit\.te": (
         "what is behind a value is written next, or behind the telegram"
     ),
-    r"^SetMop: (B#16#04 -> B#16#05: IF rounding|B#16#FA -> B#16#FB: statRequestBytes2)": "bit 0 is always written, as 1",
+    r"^SetMop: (B#16#04 -> B#16#05: IF rounding|B#16#FA -> B#16#FB: statRequestBytes2)": (
+        "bit 0 is always written, as 1"
+    ),
     r"^CheckAxis: (\* -> \+|6 -> 7): deviations\[tempOthers\]\.index := .* \(1\)$": (
         "no parameter has an index: the bytes are 0"
     ),
