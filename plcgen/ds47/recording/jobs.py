@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import partial
 
-from plcgen.ds47.plan.access import Compare, Recount, Use
+from plcgen.ds47.messages import find
+from plcgen.ds47.plan.access import Column, Compare, Recount, Use
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.ds47.sim.awaited import let_come
 from plcgen.ds47.sim.drive import Drive
@@ -218,7 +219,21 @@ class DriveJobWatch:
             value = recorded_value(self._cpu[f"{self._path}.{value_path(self._planned, use)}"])
         parameter = use.parameter
         text = error_text(number).explain(info) if number is not None else ""
-        return JobValue(use.label, use.member, parameter.title, parameter.unit or "", value, number, info, text)
+        meaning = _titles(self._planned, use, value)
+        return JobValue(
+            use.label, use.member, parameter.title, parameter.unit or "", value, number, info, text, meaning
+        )
+
+
+def _titles(job: DriveJob, use: Use, value: Value | None) -> str:
+    """What the lists of the drive call the messages whose numbers were read."""
+    column, families = use.as_(Column), job.drive.device.messages
+    if column is None or column.name != "code" or not isinstance(value, list):
+        return ""
+    kind = "A" if job.kind == "alarms" else "F"
+    told = {number: find(number, families, kind) for number in value if isinstance(number, int) and number}
+    titles = {number: " / ".join(dict.fromkeys(one.title for one in found)) for number, found in told.items()}
+    return "; ".join(f"{kind}{number:05} {title}" for number, title in titles.items() if title)
 
 
 def value_path(job: DriveJob, use: Use) -> str:

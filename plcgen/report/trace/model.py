@@ -112,7 +112,7 @@ class Step:
 @dataclass(frozen=True, slots=True)
 class JobValue:
     """One value of a job at its end; ``error`` is the number of the partner's error or None, ``info`` its second word,
-    ``problem`` what they mean.
+    ``problem`` what they mean; ``meaning`` is what the value means, where a list says so.
     """
 
     label: str
@@ -123,6 +123,7 @@ class JobValue:
     error: int | None
     info: int
     problem: str = ""
+    meaning: str = ""
 
 
 Ending: TypeAlias = Literal["done", "error", "running", "not started"]

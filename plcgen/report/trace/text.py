@@ -272,6 +272,7 @@ def _job(job: JobResult, call: str, view: View) -> list[str]:
             text, style = f"error {value.problem}", "error"
         elif value.value is not None:
             text, style = f"= {value_text(value.value)}{f' {value.unit}' if value.unit else ''}", ""
+            text += f": {value.meaning}" if value.meaning else ""
         else:
             continue
         first, *more = wrap(clean(text), max(view.columns - columns(head), _INDENT * 4))
