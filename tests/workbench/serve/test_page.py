@@ -323,6 +323,24 @@ def test_a_new_job_is_the_one_that_parameters_go_into(browser: Page) -> None:
     )
 
 
+@needs_editor
+def test_a_job_is_repeated_and_reads_what_the_catalogue_lacks(browser: Page) -> None:
+    """Every two seconds; a number that nobody knows is put in with its type; both stand in the text, without errors."""
+    browser.fill("#target", "jobs/read_speed")
+    browser.fill("#cycle", "2s")
+    browser.click("#set-cycle")
+    browser.wait("[...document.querySelectorAll('.cm-line')].some((one) => one.textContent === '    cycle: 2s')")
+    browser.fill("#search", "P31999")
+    browser.sees("#results", "P31999 is unknown")
+    browser.click("#results .hit button", "+ read")
+    browser.wait(
+        "[...document.querySelectorAll('.cm-line')].some((one) => /actual_speed, P31999/.test(one.textContent))"
+    )
+    assert "P31999: {type: FloatingPoint}" in text(browser)
+    browser.sees("#problems", "PG")
+    assert browser.evaluate("document.querySelector('#problems .error')") is None
+
+
 def test_notices_go_on_their_own(browser: Page) -> None:
     """A note after 6 s, an error, which is read more slowly, after 15 s; or when they are closed."""
     found = browser.evaluate("""(async () => {

@@ -10,7 +10,10 @@ export function specForm(desk) {
   const target = h("select", { id: "target" });
   const words = h("input", { id: "search", type: "search", placeholder: word("searchHint"), autocomplete: "off" });
   const partners = h("h3", {}, word("drives"));
-  const catalogue = h("div", {}, h("h3", {}, word("catalogue")), field(word("addTo"), target), words, results);
+  const every = h("input", { id: "cycle", size: 6, placeholder: "1s", "aria-label": word("every") });
+  const cycle = h("form", { class: "one", onsubmit: (event) => { event.preventDefault(); change("cycle", { job: target.value, cycle: every.value.trim() || "1s" }); } },
+    h("span", { class: "quiet" }, `${word("onCycle")}, ${word("every")}`), every, h("button", { id: "set-cycle" }, word("set")));
+  const catalogue = h("div", {}, h("h3", {}, word("catalogue")), field(word("addTo"), target), cycle, words, results);
   let asking = new AbortController(), added = "";
 
   async function change(what, given) {
@@ -24,8 +27,7 @@ export function specForm(desk) {
     if (!desk.name || !words.value.trim()) return fill(results);
     asking.abort();
     asking = new AbortController();
-    const job = target.value.startsWith("jobs/") ? target.value.slice(5) : "";
-    const found = await attempt(() => ask("search", { ...desk.now, job, words: words.value }, asking.signal));
+    const found = await attempt(() => ask("search", { ...desk.now, job: target.value, words: words.value }, asking.signal));
     if (found) fill(results, rows(found));
   });
 
@@ -41,9 +43,17 @@ export function specForm(desk) {
         one.writable ? h("button", { disabled: !target.value, onclick: () => put("write") }, word("writeIt")) : null));
     }
     for (const one of found.nothing) list.push(h("p", { class: "quiet" }, `${one.device}: ${one.why}`, h("small", {}, ` ${one.help}`)));
+    if (!found.parameters.length && /^[pr]?\d{1,5}$/i.test(words.value.trim())) list.push(unknown());
     if (!list.length) list.push(h("p", { class: "quiet" }, word("nothingFound")));
     if (found.more) list.push(h("p", { class: "quiet" }, word("more")));
     return list;
+  }
+
+  // A parameter that the catalogue does not have: its type is said with it.
+  function unknown() {
+    const type = h("input", { size: 12, placeholder: "FloatingPoint", "aria-label": word("type") });
+    const put = (access) => change("parameter", { job: target.value, parameter: words.value.trim(), access, type: type.value.trim() || type.placeholder });
+    return h("div", { class: "hit" }, field(word("type"), type), h("button", { type: "button", onclick: () => put("read") }, word("readIt")), h("button", { type: "button", onclick: () => put("write") }, word("writeIt")));
   }
 
   function addDrive() {
@@ -155,14 +165,15 @@ export function specForm(desk) {
     partners.textContent = [found.drives.length || !stations ? word("drives") : "", stations ? word("stations") : ""].filter(Boolean).join(", ");
     catalogue.hidden = found.drives.length === 0;
     const before = target.value;
-    fill(target, found.jobs.filter((one) => one.path[0] === "jobs").map((one) => option(one.path.join("/"), one.key)));
+    fill(target, found.jobs.filter((one) => one.path[0] === "jobs").map((one) => option(one.path.join("/"), one.key)), found.recipes.map((one) => option(`recipes/${one}`, `${word("recipe")} ${one}`)));
+    cycle.hidden = !target.value.startsWith("jobs/");
     const fresh = [...target.options].some((one) => one.value === added) ? added : "";  // what is added goes into the new job
     if (fresh) added = "";
     if (fresh || before) target.value = fresh || before;
   }
 
   words.addEventListener("input", search);
-  target.addEventListener("change", search);
+  target.addEventListener("change", () => { cycle.hidden = !target.value.startsWith("jobs/"); search(); });
   const form = h("aside", { class: "form" },
     h("div", { class: "bar ways" }, h("button", { class: "plain", id: "undo", title: `${word("undo")} (Ctrl+Z)`, onclick: () => desk.editor.undo() }, "\u21b6"),
       h("button", { class: "plain", id: "redo", title: `${word("redo")} (Ctrl+Y)`, onclick: () => desk.editor.redo() }, "\u21b7")),
