@@ -32,8 +32,9 @@ export function specForm(desk) {
   });
 
   function rows(found) {
-    const list = found.messages.map((one) => h("article", { class: "hit" }, h("b", {}, one.key), ` ${one.title} `,
-      h("small", {}, one.device), h("div", { class: "pre quiet" }, one.text)));
+    const messages = found.messages.map((one) => h("article", { class: "hit" },
+      h("details", { open: found.messages.length === 1 }, h("summary", {}, h("b", {}, one.key), ` ${one.title} `, h("small", {}, one.device)), h("div", { class: "pre quiet" }, one.text))));
+    const list = [];
     for (const one of found.parameters) {
       const put = (access) => change("parameter", { job: target.value, parameter: one.parameter, access });
       list.push(h("article", { class: "hit" },
@@ -42,6 +43,7 @@ export function specForm(desk) {
         h("button", { disabled: !target.value, onclick: () => put("read") }, word("readIt")),
         one.writable ? h("button", { disabled: !target.value, onclick: () => put("write") }, word("writeIt")) : null));
     }
+    list.push(...messages);
     for (const one of found.nothing) list.push(h("p", { class: "quiet" }, `${one.device}: ${one.why}`, h("small", {}, ` ${one.help}`)));
     if (!found.parameters.length && /^[pr]?\d{1,5}$/i.test(words.value.trim())) list.push(unknown());
     if (!list.length) list.push(h("p", { class: "quiet" }, word("nothingFound")));
