@@ -242,16 +242,19 @@ def test_what_needs_a_sign_off_comes_last(desk: Desk) -> None:
     assert reads.index("r21") < reads.index("parameter")
 
 
-def test_a_parameter_that_nobody_knows_is_defined(desk: Desk) -> None:
-    """The fix writes it into its drive with a type, and the error is gone."""
-    text = PLANT.replace("drive: axis, read: [r21], cycle: 1s", "drive: maker, read: [P64000]")
+@pytest.mark.parametrize(
+    "job", ["write: {P64000: 1.0}", "compare: {P64000: 1.0}", "read: [P64000]", "read: [P64000[0..3]]"]
+)
+def test_a_parameter_that_nobody_knows_is_defined(job: str, desk: Desk) -> None:
+    """The fix writes it into its drive with a type, and nothing is said of it any more."""
+    text = PLANT.replace("drive: axis, read: [r21], cycle: 1s", f"drive: maker, {job}")
     document, _, _ = desk.open(text)
-    (found,) = [one for one in desk.workspace.diagnostics(document) if "P64000" in one.diagnostic.message]
+    (found,) = [one for one in desk.workspace.diagnostics(document) if "type of P64000" in one.diagnostic.message
+                or "P64000 is not in the catalogue" in one.diagnostic.message]  # fmt: skip
     fix = next(one for one in found.fixes if "FloatingPoint" in one.title)
-    assert edited(text, fix.edits) == text.replace(
-        "hardware_id: 271}", "hardware_id: 271, parameters: {P64000: {type: FloatingPoint}}}"
-    )
-    assert errors(edited(text, fix.edits), desk.folder) == []
+    made_ = edited(text, fix.edits)
+    assert made_ == text.replace("hardware_id: 271}", "hardware_id: 271, parameters: {P64000: {type: FloatingPoint}}}")
+    assert errors(made_, desk.folder) == []
 
 
 def test_a_missing_section_comes_last(desk: Desk) -> None:

@@ -50,12 +50,12 @@ def finding(specs: Specs, diagnostic: Diagnostic) -> Finding:
     return Finding(diagnostic, info.why, diagnostic.help or info.fix, fixes)
 
 
-_UNTYPED = re.compile(r"\A[PpRr]([0-9]+) is not in the catalogue of .*data type is missing")
+_UNTYPED = re.compile(r"(?:\A|\Anobody knows the type of )[PpRr]([0-9]+)\b")
 
 
 def _typed(specs: Specs, diagnostic: Diagnostic, document: Document) -> Iterator[Fix]:
     """A parameter that nobody knows, defined in its drive: its type is for the user to choose."""
-    number = _UNTYPED.match(diagnostic.message)
+    number = _UNTYPED.match(diagnostic.message) if diagnostic.code in {"PG204", "PG267"} else None
     if number is None or not document.is_yaml:
         return
     state, place = specs.state(document), diagnostic.span

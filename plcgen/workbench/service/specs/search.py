@@ -154,7 +154,7 @@ def _nothing(drive: KnownDrive, words: str) -> NotFound:
         return NotFound(device.key, f"{device.title} has no {number}: {said[0]}", "the drive would answer error 00h")
     why = f"{device.title}: {number} is unknown (searched: {searched})"
     help_ = (
-        f"look it up in its manual and write it with its type: {{parameter: {number}, type: ..}}; "
-        f"for several jobs define it in the drive: parameters: {{{number}: {{type: ..}}}}"
+        f"look it up in its manual: a single value can be read without a type, read: [{number}]; to write it, "
+        f"define it in the drive: parameters: {{{number}: {{type: ..}}}}"
     )
     return NotFound(device.key, why, help_)
