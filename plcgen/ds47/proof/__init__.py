@@ -1,1 +1,1 @@
-"""Drive jobs under test: rig, runner and scenarios."""
+"""Drive jobs under test, with the plan: rig, runner and scenarios. What is held against the spec is in ``stated``."""
