@@ -30,6 +30,7 @@ EQUIVALENT = {
     r"^DriveChannel: NOT -> nothing: statProbe := NOT tempProbe": (
         "only a copy that fails could leave it: every data block has the byte that is copied"
     ),
+    r"^DriveChannel: dropped: tempGrant := 0": "what it keeps from being done would do once more what was just done",
     r"^DriveChannel: 0 -> 1: statCount := LIMIT\(MN := 0": "a request has one parameter at least",
     r"^DriveChannel: (0 -> 1|3 -> 4): FOR tempByte := 0 TO 3 DO unit.telegram\[tempByte\] := tem": (
         "the answer has the reference of the request; its type is the same as in the block, if that is taken"
