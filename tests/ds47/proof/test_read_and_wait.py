@@ -37,8 +37,8 @@ def test_what_does_not_fit_one_answer_is_refused(tmp_path: Path) -> None:
 
 DAMAGE = {
     "the value of another parameter": (
-        "#actualSpeed := #statResponseView1.actualSpeed",
-        "#actualSpeed := #statResponseView1.p61",
+        "#actualSpeed := #statResponse1.actualSpeed",
+        "#actualSpeed := #statResponse1.p61",
     ),
     "it does not wait": ("IF #tempMissed <> L#0 THEN", "IF FALSE THEN"),
     "a value that is read decides": ("#unit.telegram[7]", "#unit.telegram[11]"),

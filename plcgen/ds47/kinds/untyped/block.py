@@ -28,7 +28,7 @@ def _telegram(_: DrivePlan, job: DriveJob, telegram: DriveTelegram) -> list[dict
             "label": field.part.use.label,
             "use": field.part.use.position,
             "bytes": field.part.use.member,
-            "at": f"statResponse{job.suffix(telegram)}[{field.offset - 2}]",
+            "at": f"statResponseBytes{job.suffix(telegram)}[{field.offset - 2}]",
             **{form.name: one.member for one in field.part.use.shown if (form := one.as_(Form))},
         }
         for field in telegram.response.fields
