@@ -211,7 +211,7 @@ def test_against_a_revision(repository):
 
 @pytest.mark.slow
 def test_what_changed_stands_first(repository):
-    """Of a review against something; the sentence of a job stands before the verdict, on the page and as Markdown."""
+    """Of a review against something: the sentence of a job, on the page and as Markdown; its tables are not printed."""
     said = "P50304 100.0 -&gt; 50.0"
     for against, titles in (("HEAD", ["1 What changed", "2 Verdict"]), ("", ["1 Verdict", "2 What changed"])):
         review = api.review(repository / "job.yaml", repository / "plc", against=against, faults="none")
@@ -221,6 +221,9 @@ def test_what_changed_stands_first(repository):
         assert [link.replace("&nbsp;", " ") for link in links] == titles
         if against:
             assert re.sub("<wbr>", "", page).index(said) < page.index("Verdict</h2>")
+            section = re.search(r'<section id="changes">(.*?)</section>', page, re.DOTALL)[1]
+            fronts = re.findall(r'(</summary>)?\s*<div class="scroll"><table', section)
+            assert [bool(front) for front in fronts] == [True, True, False]  # spec, sources; the lock is an error
             assert text.index("Changes: the spec") < text.index("Write list")
 
 
