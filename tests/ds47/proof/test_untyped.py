@@ -58,8 +58,8 @@ DAMAGE = {
     "a REAL as a number": ("#tempFormat = 8 OR #tempFormat = 67", "#tempFormat = 67"),
     "a size": ("12, 53: #tempSize := 6;", "12, 53: #tempSize := 4;"),
     "the number of values instead of the format": (
-        "#p42051Format := #statResponse[4]",
-        "#p42051Format := #statResponse[5]",
+        "#p42051Format := #statResponseBytes[4]",
+        "#p42051Format := #statResponseBytes[5]",
     ),
     "of an answer that is an error": (
         "IF #diagnosis.errors[1] = W#16#0000 THEN\n      // r42051",
