@@ -22,6 +22,8 @@ _NOTES = {
 }
 """What a status word means in some jobs only; its text, which is in generated blocks, leaves that out."""
 
+_OTHERS = "SINA_POS, SINA_PARA, LAcycCom and others have words of their own with the same numbers: see their help"
+
 
 def explain(digits: str) -> Page | None:
     """One or two hexadecimal digits are an error number, four a status word, eight a STATUS."""
@@ -62,14 +64,16 @@ def word_page(word: int) -> Page:
     record = ("As the middle word of a WRREC or RDREC STATUS", explain_word(word).text)
     if word >> 8 in _CODES:
         record = ("As the lower word of a WRREC or RDREC STATUS", explain_codes(word).text)
+    others = [("Of other blocks", _OTHERS)] if word >> 12 == 0x8 else []
     if word not in known:
-        return Page(f"16#{word:04X}", "not a status word of a generated block", (record,))
+        return Page(f"16#{word:04X}", "not a status word of a generated block", (record, *others))
     name, text = known[word]
     sections = [("Constant", name)]
     if word >> 8 == 0x70:
         sections.append(record)
     if word in _NOTES:
         sections.append(("Note", _NOTES[word]))
+    sections += others
     return Page(f"16#{word:04X}", f"block status: {text}", tuple(sections))
 
 

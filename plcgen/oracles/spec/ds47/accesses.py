@@ -59,8 +59,10 @@ class JobReader:
             if free and found.count == 1:
                 letter = "r" if item.text.strip()[:1] in "rR" else found.facts.get("letter", "P")
                 return replace(found, facts={**found.facts, "type": ANY, "letter": letter})
-            known = {name: value for name, value in found.facts.items() if value and name != "type"}
-            return replace(found, facts={**self.drive.catalogue.lent(found.number), **known})
+            known = {name: value for name, value in found.facts.items() if value and name not in {"type", "letter"}}
+            lent = self.drive.catalogue.lent(found.number)
+            letters = {"r" if item.text.strip()[:1] in "rR" else "P", found.facts.get("letter"), lent.get("letter")}
+            return replace(found, facts={**lent, **known, "letter": "r" if "r" in letters else "P"})
         return replace(found, facts={**found.facts, "type": type_}) if type_ else found
 
     def name(self, item: SpecItem, parameter: WrittenParameter) -> str:
