@@ -31,6 +31,9 @@ _SECTIONS = {
         S7-300: WRREC and RDREC (SFB 52, 53) do not reach a drive at a CP 343-1 (PROFINET, it has PNIO_RW_REC) or a
         CP 342-5 (PROFIBUS, DP-V0). S7-400, S7-1200/1500: what a CP or CM is the controller or master of is
         addressed like what is connected to the CPU.""",
+    "Record index 47": """
+        Data set 47, on PROFIBUS, and on PROFINET of drives that take it there, such as a G120. If one answers DF80B000:
+        record_index: profinet-global (16#B02F).""",
     "In the spec": """
         hardware_id: 270, or the name of the constant: hardware_id: "pump~Drive_1~Module_Access_Point". The name stays
         right when the TIA Portal changes the numbers.""",
