@@ -137,6 +137,7 @@ class JobKind:
     ``fixed``: the parameters are the kind's own, which the device must have, ``types`` what a spec that defines them
     itself would say of each; ``bits``: an item may be a bit of a word;
     ``read_back``: a job may have ``verify: readback`` and ``on_error``; ``sets_clock`` says what it does;
+    ``serves``: which parameter is read comes from inputs, its type from the answer, and ``items`` say where they begin;
     ``on`` makes of the accesses those that a drive takes, of which it asks whether it is known to have a parameter;
     ``unfit`` says what is wrong with the first access, whose parameter is this one, on a device with these parameters.
     ``runs_on`` are parameters of it that are not what was written when they are read, and why; ``instead`` says of a
@@ -168,6 +169,7 @@ class JobKind:
     unfit: Callable[[ReadItem | WriteItem, Parameter | None, Mapping[int, Parameter], str], Unfit | None] | None = None
     on: Callable[[Items, Callable[[str], bool]], Items] | None = None
     sets_clock: bool = False
+    serves: bool = False
     place: int = 1000
     runs_on: Mapping[int, str] = field(default_factory=dict)
     instead: Mapping[int, tuple[int, str]] = field(default_factory=dict)
@@ -181,7 +183,7 @@ class JobKind:
     @property
     def repeatable(self) -> bool:
         """Whether a job of it can have a cycle: it writes nothing, neither into the drive nor into a record."""
-        return not self.writes and (self.compares or not self.recorded)
+        return not self.writes and not self.serves and (self.compares or not self.recorded)
 
 
 def within_limit(interval: int, info: ValidationInfo) -> int:

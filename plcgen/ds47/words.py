@@ -59,6 +59,7 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_LEFT", 0x8533, "failed, see cause; restored but for values that somebody else has changed, see errors"),
     ("STATUS_NO_RECORD", 0x8540, "refused: the recipe has no record with this number"),
     ("STATUS_OUTSIDE", 0x8541, "refused: a value of the record is outside its limits, see failedParameter"),
+    ("STATUS_NO_REQUEST", 0x8550, "refused: number, index, count or axis is outside what a request has room for"),
 )
 
 _TICKET = {"DONE", "IDLE", "STARTED", "RUNNING", "OCCUPIED", "LOST", "NOT_CALLED", "NO_SLOT", "SLOT_TAKEN"}
@@ -80,6 +81,8 @@ RESTORE_WORDS = tuple(row for row in STATUS_WORDS if row[1] in range(0x8530, 0x8
 """What only a job that restores reports."""
 RECIPE_WORDS = tuple(row for row in STATUS_WORDS if row[1] in {0x8540, 0x8541})
 """What only a job with a recipe reports: the second one if it writes."""
+SERVICE_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8550)
+"""What only a service job reports."""
 ERROR_DEVIATES = 0x8200
 """In ``errors``: another value was read back than was written."""
 CHANNEL_WORDS = tuple(

@@ -259,7 +259,12 @@ def _more_than_data_blocks(kind: JobKind, uses: Sequence[Use], where: Target) ->
     types = (element_type(use.format, where) for use in uses if use.writes and not use.constant)
     if any(type_ is not None and type_.bits > 32 for type_ in types):
         return "has an input of 8 bytes"
-    works = {"has a recipe": kind.recorded, "compares": kind.compares, "sets a clock": kind.sets_clock}
+    works = {
+        "has a recipe": kind.recorded,
+        "compares": kind.compares,
+        "sets a clock": kind.sets_clock,
+        "serves": kind.serves,
+    }
     works["reads without a type"] = any(use.untyped for use in uses)
     return next((work for work, does in works.items() if does), "")
 

@@ -15,7 +15,7 @@ from plcgen.ds47.device import Device
 from plcgen.ds47.kind import Messages, Poll, Wait
 from plcgen.ds47.plan.access import Compare, Mask, Part, Recount, Remember, Use, Verify
 from plcgen.ds47.references import number_of
-from plcgen.ds47.registry import kinds
+from plcgen.ds47.registry import kind_called, kinds
 from plcgen.ds47.schema import DriveSections, DriveSettings, JobEntry
 from plcgen.ds47.words import VARIANTS, Variant
 from plcgen.project.nouns import BlockRef, Buffer, BufferField, Link, Plan, PlannedJob, Telegram
@@ -311,6 +311,11 @@ class DriveJob(PlannedJob):
     def old(self, word: Use) -> Use:
         """What reads the word of which a use writes bits."""
         return next(use for use in self.uses if isinstance(use.role, Mask | Remember) and use.role.of is word)
+
+    @property
+    def serves(self) -> bool:
+        """Whether its inputs say at run time which parameter is read."""
+        return kind_called(self.kind).serves
 
     @property
     def restores(self) -> bool:

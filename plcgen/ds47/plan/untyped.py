@@ -35,6 +35,16 @@ def with_forms(use: Use, longest: int) -> Use:
     return replace(use, role=Read(shown=shown))
 
 
+def without_type(use: Use) -> Use:
+    """The same access, whatever the catalogue says of its type."""
+    return replace(
+        use,
+        format=formats.FROM_ANSWER,
+        parameter=replace(use.parameter, type=ANY),
+        data=bytes(formats.FROM_ANSWER.size),
+    )
+
+
 def of_siblings(device: Device, pnu: int) -> dict[str, list[Parameter]]:
     """What devices of the same family say of a number that this one's catalogue lacks: by type, a row per device."""
     found: dict[str, list[Parameter]] = {}

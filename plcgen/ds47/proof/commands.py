@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError
 from plcgen.base.diagnostics.counting import quantity
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedRecipe
-from plcgen.ds47.proof import clock_input, message_lists
+from plcgen.ds47.proof import asked, clock_input, message_lists
 from plcgen.ds47.proof.cycles import AGE, cycle_signals
 from plcgen.ds47.proof.records import NUMBER, recipe_signals
 from plcgen.ds47.proof.restoration import CAUSE
@@ -70,6 +70,7 @@ def _check_control(name: str, jobs: list[DriveJob], folder: Folder) -> Iterator[
         expected = {f"{job.member}.{use.member}" for job in jobs for use in job.inputs}
         expected |= {f"{job.member}.{NUMBER}" for job in jobs if job.recipe is not None}
         expected |= {f"{job.member}.execute" for job in jobs if job.cycle}
+        expected |= {f"{job.member}.{name}" for job in jobs if job.serves for name in asked.TYPES}
         problems += [
             f"{entry.path} has the start value {entry.member.start}"
             for entry in layout.entries
@@ -105,7 +106,7 @@ def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterat
     values |= {*(FAILED if job.in_steps else ()), *recipe_signals(job)}
     values |= {"diagnosis"}
     values |= {CAUSE} if job.restores else set()
-    values |= {*cycle_signals(job), *(one.member for _, one in job.shown)}
+    values |= {*cycle_signals(job), *(one.member for _, one in job.shown), *asked.names(job)}
     values |= {path.partition("[")[0] for path in message_lists.paths(job)}
     wanted = {name for name in SIGNALS if name not in flags} | values
     prefix = f"{job.member}."
@@ -121,6 +122,10 @@ def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterat
         entry = locate(layout, f"{prefix}{name}")
         if not isinstance(entry.type, Elementary) or entry.type.name != types[name]:
             yield f"{prefix}{name} is not of type {types[name]}"
+    for name, number in asked.Asked().inputs().items() if job.serves else ():
+        entry = locate(layout, f"{prefix}{name}") if name in found else None
+        if entry and int.from_bytes(start[entry.byte : entry.byte + entry.size // 8], signed=True) != number:
+            yield f"{prefix}{name} does not start with {number}"
     for use in job.inputs:
         if use.member in found:
             entry = locate(layout, f"{prefix}{use.member}")

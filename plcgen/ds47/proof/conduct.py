@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from plcgen.ds47.proof.asked import Asked
 from plcgen.ds47.proof.clock_input import Times
 from plcgen.ds47.proof.contents import held, written
 from plcgen.ds47.proof.cycles import SLOW, Repeats, slow_scan
@@ -92,6 +93,7 @@ class JobConduct:
         rig.address(other_bit=scenario.output)
         rig.next_values(scenario.values)
         rig.report(scenario.of(Restores).state)
+        rig.asked = scenario.of(Asked)
         rig.put_inputs(scenario.slot)
         record, save, steps = scenario.of(Record), scenario.of(AnotherSave), scenario.of(Steps)
         rig.damage(record.record, record.damaged)
@@ -265,6 +267,7 @@ class JobConduct:
         for position, part in enumerate(asked.parts):
             word = bytes(rig.unit.memory[at + 4 * position : at + 4 * position + 4])
             right = bytes((0 if part.use.untyped else part.use.format.code, part.count, 0, part.size))
+            right = rig.asked.expected if job.serves else right
             if word != right:
                 shown = f"16#{word.hex().upper()}, not 16#{right.hex().upper()}"
                 raise ScenarioError(f"what is expected of {part.use.label} in telegram {telegram} is {shown}")

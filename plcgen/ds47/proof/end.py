@@ -168,8 +168,8 @@ def check_wire(
         at = found
         if not data[0]:
             raise ScenarioError("a request has the reference 0")
-    if status == WORDS["NO_TIME"] and rig.drive.journal:
-        raise ScenarioError("a start without a time sends something")
+    if status in {WORDS["NO_TIME"], WORDS["NO_REQUEST"]} and rig.drive.journal:
+        raise ScenarioError("a start that is refused sends something")
     if status in {DONE, WORDS["CHANGED"]} and len(requests) - 1 not in at:
         raise ScenarioError(f"{max(at) + 1} of {len(requests)} telegrams were sent")
     if status == WORDS["DEVIATES"] and scenario.telegram - 1 not in at:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from plcgen.ds47.plan.access import Form, Use
+from plcgen.ds47.proof.asked import SHOWN
 from plcgen.proof.scenario import ScenarioError
 
 if TYPE_CHECKING:
@@ -80,8 +81,10 @@ def _check(rig: JobRig, use: Use) -> None:
     dint, real = numbers(code, octets) if code else (0, 0.0)
     wanted = struct.pack(">if", dint, real) if code not in {0x08, 0x43} else octets[:4] * 2
     found = rig.db.bytes(names["dint"], 4) + rig.db.bytes(names["real"], 4)
+    if rig.job.serves and rig.db.bytes(f"{use.member}{SHOWN}") != struct.pack(">i", dint):
+        raise ScenarioError(f"{use.member}{SHOWN} has other bits than {dint}")
     if found != wanted:
         shown = f"{found.hex(' ')} instead of {wanted.hex(' ')}"
         raise ScenarioError(f"{names['dint']} and {names['real']} of format {code:02X}h are {shown}")
-    if code and any(octets[size(code) :]):
+    if code and not rig.job.serves and any(octets[size(code) :]):
         raise ScenarioError(f"{use.member} has octets after its value: {octets.hex(' ')}")

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from plcgen.ds47.plan.access import Part, Running, Verify
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram
-from plcgen.ds47.proof import clock_input, message_lists
+from plcgen.ds47.proof import asked, clock_input, message_lists
 from plcgen.ds47.proof.contents import ValueSet, held, kept, piece, value_set
 from plcgen.ds47.proof.cycles import SINCE, cycle_signals
 from plcgen.ds47.proof.partner import ScriptedDrive
@@ -80,9 +80,11 @@ class JobRig:
         paths += [f"job.{name}" for name in recipe_signals(job)]
         paths += [f"job.{name}" for name in (*cycle_signals(job), *([SINCE] if job.cycle else []))]
         paths += [f"job.{one.member}" for _, one in job.shown]
+        paths += [f"job.{name}" for name in asked.names(job)]
         self.db = Members(self.cpu, program, f"{shape_fb(number)}_DB", paths, "job.")
         paths = [f"jobDiagnosis.{name}" for name in DIAGNOSIS]
         self.diagnosis = Members(self.cpu, program, self.db.block, paths, "jobDiagnosis.")
+        self.asked = asked.Asked()
         self.records = Records(job, self.db, "jobRecords", 1) if job.recipe is not None else None
         self.drive.asked = self.let_come if job.waits else None
         self.unit = self.unit_of(UNITS[0])
@@ -186,6 +188,8 @@ class JobRig:
         self.db.set(self.id_name, self.id_value)
         for member, data in self.values.inputs(self.job):
             self.db.put(member, data)
+        for name, number in self.asked.inputs().items() if self.job.serves else ():
+            self.db.set(name, number)
         if self.records is not None:
             self.db.set(NUMBER, self.records.number)
             self.records.put(self.values.given)
@@ -197,6 +201,8 @@ class JobRig:
         self.db.set(self.id_name, self.id_value ^ 0xFF)
         for member, data in self.values.inputs(self.job):
             self.db.put(member, bytes(byte ^ 0xFF for byte in data))
+        for name, number in self.asked.inputs().items() if self.job.serves else ():
+            self.db.set(name, number ^ 2)
         if self.records is not None:
             self.db.set(NUMBER, self.records.number % self.records.count + 1)
             if not self.job.stores:
@@ -215,7 +221,8 @@ class JobRig:
 
     def requests(self) -> list[bytes]:
         """The telegrams this run must send, reference 0."""
-        return self.values.requests(self.job, self.drive_object)
+        found = self.values.requests(self.job, self.drive_object)
+        return [self.asked.request(one) for one in found] if self.job.serves else found
 
     def wanted(self, *keeps: Mapping[int, Keeps]) -> list[list[bytes]]:
         """Wire bytes that the parts of each telegram must deliver; ``keeps``: what the drive makes of written ones."""

@@ -59,6 +59,7 @@ MEANINGS = {
     0x8505: ("NOT_ACKNOWLEDGED", "the parameter that acknowledges has not returned to 0 within the limit"),
     0x8506: ("FAULTS_REMAIN", "it has, but the drive has faults after the limit"),
     0x8510: ("NOT_REACHED", "what a step waits for is not there within its timeout"),
+    0x8550: ("NO_REQUEST", "refused: what the inputs ask for does not fit a request"),
     0x8520: ("NO_TIME", "refused: the time at the input does not exist, or not between 2000 and 2089"),
     0x8530: ("RESTORED", "failed; every parameter has its old value"),
     0x8531: ("NOT_RESTORED", "failed; restoring failed as well"),

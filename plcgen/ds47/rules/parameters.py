@@ -188,7 +188,7 @@ def untyped(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG267: a parameter is read whose type nobody knows: outputs of their own say what the drive answers."""
     for job in plan.shapes:
         for use in job.uses:
-            if not use.untyped:
+            if not use.untyped or job.serves:
                 continue
             device = job.drive.device
             said = of_siblings(device, use.parameter.pnu)

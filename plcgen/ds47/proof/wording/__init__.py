@@ -41,6 +41,7 @@ _KINDS = {
 _TITLES = {
     "acknowledge": ("Acknowledge the faults of the drive object",),
     "clock": ("Set the clock of the control unit",),
+    "service": ("Service: read any parameter",),
     "activate": tuple(f"{word} the drive object" for word in ("Activate", "Deactivate", "Activate or deactivate")),
 }
 FAMILY = "DS47"
@@ -307,7 +308,9 @@ class DriveWording:
         if job is None:
             return None
         record = {"recordNumber": "1"} if job.recipe is not None else {}
-        return {"status": "W#16#7000", **record, **{use.member: use.data for use in job.inputs}}
+        number = "L#964" if self.plan.target.v5 else "964"
+        asked = {"number": number, "count": "1", "axis": "-1"} if job.serves else {}
+        return {"status": "W#16#7000", **record, **asked, **{use.member: use.data for use in job.inputs}}
 
     def instructions(self) -> dict[str, str]:
         """Versions as public exports have them (evidence in docs/generated-code.md), or those of the spec."""
@@ -375,6 +378,7 @@ class DriveWording:
                 for job in self.plan.jobs if job.member == path[0]
                 for _, one in job.shown if one.as_(Form) == Form("format")
             }  # fmt: skip
+            formats |= {f"{use.member}Dword": "HEX" for job in self.plan.jobs if job.serves for use in job.uses}
             own = {"status": "Hex", "cause": "HEX", "diagnosis": "Hex", **formats}.get(path[1])
             return Shown(own or number or "DEC", "TRUE" if path[1:] == ["execute"] else "")
         if name not in self.buffers or block.kind is not BlockKind.DB:
