@@ -82,6 +82,7 @@ KINDS = {
     "compare": "compare: {P: 10.0} | lists what differs",
     "sequence": "sequence: [{write: {P: 5.0}}, {read: [P]}] | steps; {until: {P: 5.0, timeout: 5s}} waits",
     "messages": "faults: current | faults as an array of structures; alarms: current for alarms",
+    "service": "service: read | any parameter: number, index, count and drive object are inputs",
     "acknowledge": "acknowledge: true",
     "activate": "activate: input | takes the drive object out of operation and back",
     "clock": "clock: utc | of a control unit",

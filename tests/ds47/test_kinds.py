@@ -204,7 +204,8 @@ def test_what_a_kind_raises_is_not_a_bug_of_plcgen(distribution, tmp_path: Path,
 
 def test_without_others_there_are_the_shipped_kinds() -> None:
     """All of them, in the order of the table in docs/spec.md."""
-    keys = ["read", "write", "compare", "save", "faults", "alarms", "acknowledge", "sequence", "activate", "clock"]
+    keys = ["read", "write", "compare", "save", "faults", "alarms", "service"]
+    keys += ["acknowledge", "sequence", "activate", "clock"]
     keys += ["write_recipe", "read_recipe", "compare_recipe"]
     assert [kind.key for kind in kinds()] == [kind.key for kind in shipped()] == keys
 

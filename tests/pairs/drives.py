@@ -19,7 +19,7 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     ),
     "kind": (
         "read", "shown", "untyped", "main_values", "write", "input", "bits", "readback", "saved", "restore", "save",
-        "faults", "alarms", "acknowledge", "compare", "steps", "until", "activate", "clock", "write_recipe",
+        "faults", "alarms", "service", "acknowledge", "compare", "steps", "until", "activate", "clock", "write_recipe",
         "read_recipe", "compare_recipe",
     ),
     "type": (
@@ -101,6 +101,7 @@ def _kind(kind: str, parameter: str, value: Any) -> dict[str, Any]:
         "save": {"save": "drive_object"},
         "faults": {"faults": "current"},
         "alarms": {"alarms": "current"},
+        "service": {"service": "read"},
         "acknowledge": {"acknowledge": True},
         "compare": {"compare": several},
         "steps": {"sequence": [{"write": several}, {"read": [parameter]}, {"write": {"P42990": None}}]},

@@ -12,7 +12,7 @@ from plcgen.ds47.plan.bits import BitResolver, has_bits, in_front, shown_bit
 from plcgen.ds47.plan.readback import read_back, transaction
 from plcgen.ds47.plan.recipes import Recipes
 from plcgen.ds47.plan.steps import resolved_steps
-from plcgen.ds47.plan.untyped import with_forms, without_type
+from plcgen.ds47.plan.untyped import named_later, with_forms
 from plcgen.ds47.plan.uses import UseResolver
 from plcgen.ds47.references import Reference, number_of, parse_reference, split_bit
 from plcgen.ds47.registry import kinds
@@ -122,6 +122,8 @@ class Accesses:
             return ()
         if kind.fixed and not self._all_known(kind, items, place):
             return ()
+        if kind.serves:
+            return (named_later(items[0], place),)
         if kind.steps is not None:
             return resolved_steps(tuple(kind.steps(given)), place, self.loaded, self.resolver)
         if kind.bits and has_bits(items):
@@ -135,7 +137,7 @@ class Accesses:
 
     def _expanded(self, kind: JobKind, items: Items, place: SpecPath) -> _Expanded:
         """The items with the main values of the device in place of their name, and words in place of bits."""
-        whole = kind.fixed or kind.serves or kind.poll is not None
+        whole = kind.fixed or kind.poll is not None
         found = _Expanded()
         for number, item in enumerate(items):
             where = place if whole else (*place, number)
@@ -185,11 +187,9 @@ class Accesses:
         found = []
         for number, (item, where) in enumerate(zip(items, places, strict=True)):
             write = kind.writes and isinstance(item, WriteItem)
-            free = kind.serves or (kind.key == "read" and number not in bits)
+            free = kind.key == "read" and number not in bits
             found.append(self.resolver.resolve(item, before + number + 1, where, write=write, free=free))
         uses = tuple(use for use in found if use is not None)
-        if kind.serves:
-            return tuple(without_type(use) for use in uses)
         if kind.recorded:
             recorded = self.recipes.recorded(uses, self.resolver)
             uses = tuple(replace(use, role=_of_record(kind, use)) for use in recorded)

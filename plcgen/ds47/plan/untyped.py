@@ -7,8 +7,11 @@ from dataclasses import replace
 
 from plcgen.ds47.device import Device, Parameter
 from plcgen.ds47.devices import sibling_devices
+from plcgen.ds47.kind import ReadItem, WriteItem
 from plcgen.ds47.plan.access import Form, Read, Use
+from plcgen.ds47.references import parse_reference
 from plcgen.ds47.wire import formats
+from plcgen.project.spec import SpecPath
 from plcgen.s7.types.names import first_upper, shorten
 
 ANY = formats.FROM_ANSWER.name
@@ -35,14 +38,17 @@ def with_forms(use: Use, longest: int) -> Use:
     return replace(use, role=Read(shown=shown))
 
 
-def without_type(use: Use) -> Use:
-    """The same access, whatever the catalogue says of its type."""
-    return replace(
-        use,
-        format=formats.FROM_ANSWER,
-        parameter=replace(use.parameter, type=ANY),
-        data=bytes(formats.FROM_ANSWER.size),
-    )
+def named_later(item: ReadItem | WriteItem, path: SpecPath) -> Use:
+    """A single value of a job whose parameter is named at run time, whatever the catalogue knows of the first."""
+    reference = parse_reference(item.parameter)
+    if reference is None or reference.pnu is None:
+        raise ValueError(f"{item.parameter} has no number")
+    parameter = Parameter(reference.pnu, ANY, access="r")
+    return Use(
+        position=1, parameter=parameter, format=formats.FROM_ANSWER, first=reference.first, elements=1, count=1,
+        data=bytes(formats.FROM_ANSWER.size), sources=False, member=item.as_ or "value", comment={}, path=path,
+        item=item,
+    )  # fmt: skip
 
 
 def of_siblings(device: Device, pnu: int) -> dict[str, list[Parameter]]:

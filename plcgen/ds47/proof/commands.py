@@ -123,8 +123,10 @@ def _job(job: DriveJob, layout: Layout, start: bytes, found: set[str]) -> Iterat
         if not isinstance(entry.type, Elementary) or entry.type.name != types[name]:
             yield f"{prefix}{name} is not of type {types[name]}"
     for name, number in asked.Asked().inputs().items() if job.serves else ():
-        entry = locate(layout, f"{prefix}{name}") if name in found else None
-        if entry and int.from_bytes(start[entry.byte : entry.byte + entry.size // 8], signed=True) != number:
+        if (
+            name in found
+            and int.from_bytes(Spot.of(layout, f"{prefix}{name}").bytes(bytearray(start)), signed=True) != number
+        ):
             yield f"{prefix}{name} does not start with {number}"
     for use in job.inputs:
         if use.member in found:

@@ -9,7 +9,7 @@ from typing import Any
 
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveCaller, DriveJob, DrivePlan, DriveTelegram, PlannedUnit
-from plcgen.ds47.proof import clock_input, message_lists, records
+from plcgen.ds47.proof import asked, clock_input, message_lists, records
 from plcgen.ds47.proof.contents import ValueSet, alike, piece, value_set, values_of
 from plcgen.ds47.proof.cycles import SINCE, cycle_signals, hold_back
 from plcgen.ds47.proof.pace import SCAN, Pace
@@ -87,6 +87,7 @@ class Plant:
         yield from records.recipe_signals(job)
         yield from cycle_signals(job)
         yield from clock_input.inputs(job)
+        yield from asked.names(job)
         yield from (use.member for use in job.outputs)
         yield from message_lists.paths(job)
 

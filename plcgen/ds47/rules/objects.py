@@ -40,7 +40,7 @@ def missing(plan: DrivePlan) -> Iterator[Diagnostic]:
         told: set[tuple[int, int, str]] = set()
         for job in plan.instances(shape):
             own = plan.own_numbers(job.drive)
-            for use in job.own if job.clock is None else ():  # PG254 says it of a clock
+            for use in job.own if job.clock is None and not job.serves else ():  # PG254 says it of a clock
                 for needed in _needed(plan, job, use):
                     if needed.pnu in own and job.drive.device.find(needed.pnu) is None:
                         continue  # the spec says that this drive has it

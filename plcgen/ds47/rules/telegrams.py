@@ -172,7 +172,13 @@ def repeated(plan: DrivePlan) -> Iterator[Diagnostic]:
     """PG264: a job that writes has a cycle."""
     for job in plan.shapes:
         if job.cycle and not kind_called(job.kind).repeatable:
-            what = "reads into a record" if not kind_called(job.kind).writes else "writes"
+            what = (
+                "is asked by hand"
+                if job.serves
+                else "reads into a record"
+                if not kind_called(job.kind).writes
+                else "writes"
+            )
             yield Diagnostic(
                 "PG264",
                 f'"{job.shape}" {what}: only jobs that read or compare have a cycle',

@@ -14,10 +14,11 @@ RANGES = {"number": (1, 65535), "index": (0, 65535), "count": (0, ROOM), "axis":
 NO_SUCH, NO_INDEX = 0x00, 0x03
 """Error numbers of a drive: there is no such parameter, no such subindex."""
 SEVERAL = (
-    (2, "0802 41200000 C1200000"), (3, "0203 80 01 FF 00"), (4, "0304 8000 0001 7FFF FFFF"), (8, "4108 0102030405060708"),
-    (2, "2302 8001 0001"), (5, "0905 4265656C74 00"), (8, "0A08 00FF00FF00FF00FF"), (0, "0801 3F800000"),
+    (2, "0802 41200000 C1200000"), (3, "0203 80 01 FF 00"), (4, "0304 8000 0001 7FFF FFFF"),
+    (8, "4108 0102030405060708"), (2, "2302 8001 0001"), (5, "0905 4265656C74 00"),
+    (8, "0A08 00FF00FF00FF00FF"), (0, "0801 3F800000"),
 )  # fmt: skip
-"""How many values are asked for, and a block of the answer: REAL, Integer8, Integer16, 41h, the older 73h, text, octets."""
+"""How many values are asked for, and a block of the answer: REAL, Integer8, Integer16, 41h, the older 73h, strings."""
 
 
 def asking(job: DriveJob, _: int) -> Iterator[DriveScenario]:
@@ -32,7 +33,7 @@ def asking(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     yield _outside("number", -(1 << 31))
     yield _outside("index", -(1 << 31))
     for count, text in SEVERAL:
-        yield _answered(job, f"{count} values come as {text}", Asked(2000, 7, count, 5), bytes.fromhex(text))
+        yield _answered(job, f"{count} values come as {text}", Asked(2000, 0x1234, count, 5), bytes.fromhex(text))
     for count, text in ((3, "0403 00000001 00000002 00000003"), (2, "0801 41200000"), (1, "0802 41200000 41200000")):
         block = bytes.fromhex(text)
         asked = Asked(2000, 0, count)
@@ -43,8 +44,9 @@ def asking(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     for number in (NO_SUCH, NO_INDEX):
         asked = Asked(60000, 9, 1)
         yield DriveScenario(
-            name=f"the drive refuses it with {number:02X}h", parts=(asked,), status=(WORDS["PARAMETER_ERROR"],), telegram=1,
-            reads={1: _edit(job, asked, bytes((0x44, 1, 0, number)), 0x81)}, errors={(1, 1): (0x8000 | number, 0)},
+            name=f"the drive refuses it with {number:02X}h", status=(WORDS["PARAMETER_ERROR"],), telegram=1,
+            parts=(asked,), reads={1: _edit(job, asked, bytes((0x44, 1, 0, number)), 0x81)},
+            errors={(1, 1): (0x8000 | number, 0)},
         )  # fmt: skip
     yield DriveScenario(name="inputs change behind the start", parts=(Asked(964, 0, 1, -1),), meddle=True)
 
@@ -68,7 +70,8 @@ def _edit(job: DriveJob, asked: Asked, block: bytes, response: int = 1) -> Edit:
 def _outside(name: str, number: int) -> DriveScenario:
     """Nothing is sent."""
     return DriveScenario(
-        name=f"{name} is {number}", parts=(Asked(**{name: number}),), status=(WORDS["NO_REQUEST"],), checked=False, follow=False,
+        name=f"{name} is {number}", parts=(Asked(**{name: number}),), status=(WORDS["NO_REQUEST"],), checked=False,
+        follow=False,
     )  # fmt: skip
 
 

@@ -18,7 +18,7 @@ FIRST = "r964[0]"
 def service_steps(job: JobReader) -> Iterator[StatedStep]:
     """One access."""
     access = job.reads(job.fixed(FIRST), output="value", free=True)
-    yield StatedStep("reads", (replace(access, type=ANY, size=ROOM),))
+    yield StatedStep("reads", (replace(access, type=ANY, size=ROOM, title="", unit="", letter="r"),))
 
 
 STATEMENTS = {"service": service_steps}
