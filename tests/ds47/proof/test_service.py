@@ -67,7 +67,7 @@ def test_errors_and_what_does_not_fit(generate, target) -> None:
 
 
 def test_instances_are_their_own(generate, target) -> None:
-    """The same block for two drives, beside a job of the program: at first both ask for r964[0] = 03C4h of their own."""
+    """One block for two drives, beside a job of the program: at first both ask for r964[0] = 03C4h of their own."""
     made = generate(SPEC, target)
     plant = Plant(made.plan, made.program).fresh()
     assert started(plant, "ask.right")[1] == ["01 04 01 10 01 03 c4 00 00"]
