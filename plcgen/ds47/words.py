@@ -59,7 +59,7 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_LEFT", 0x8533, "failed, see cause; restored but for values that somebody else has changed, see errors"),
     ("STATUS_NO_RECORD", 0x8540, "refused: the recipe has no record with this number"),
     ("STATUS_OUTSIDE", 0x8541, "refused: a value of the record is outside its limits, see failedParameter"),
-    ("STATUS_NO_REQUEST", 0x8550, "refused: number, index, count or axis is outside what a request has room for"),
+    ("STATUS_NO_REQUEST", 0x8550, "refused: number, index, count or axis is out of range"),
 )
 
 _TICKET = {"DONE", "IDLE", "STARTED", "RUNNING", "OCCUPIED", "LOST", "NOT_CALLED", "NO_SLOT", "SLOT_TAKEN"}
