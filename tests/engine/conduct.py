@@ -17,6 +17,9 @@ CLOCK_END = 2**31
 DIRT = (b"\x40\x00", b"\x44\x02\x00\x11\x00\x07", b"\xa5")
 """What the buffers hold before a request is built: good blocks, error blocks, garbage. None of it may count."""
 
+BY_HAND, AROUND = 4, 2
+"""Scans of WRREC and RDREC that are busy in one call each, called by hand; what a run may take more, once."""
+
 
 class EngineConduct:
     """One job of unit 1, run by run; ``reference`` is the last one before the run, None if it is not known."""
@@ -143,6 +146,9 @@ class EngineConduct:
     def end(self, run: Run[EngineScenario], status: int) -> None:
         """Results, wire, foreign bytes; of a trigger that was lost on its way nobody knows what the drive did."""
         self.times.check_end(status)
+        most = AROUND + BY_HAND * len(self.errand.letters)
+        if run.scenario == EngineScenario(name=run.scenario.name) and run.scans > most:
+            raise ScenarioError(f"an ordinary run takes {run.scans} scans, which {most} are enough for")
         if self.unsure and status != WORDS["UNKNOWN"]:
             raise ScenarioError(f"a trigger whose WRREC was lost ends with 16#{status:04X}")
         Ending(self.rig, self.job, run.scenario, self.reference).check(status)

@@ -99,19 +99,32 @@ def encoding_of(spec: str) -> str:
 
 
 def cases(specs: Iterable[str], kinds: Iterable[str] = tuple(KINDS), *, main: bool = False) -> Iterator[Case]:
-    """Every mutant of every function block, of the shared ones once for each target; ``main`` takes the OB too."""
+    """Every mutant of every function block, of the shared ones once for each target; ``main`` takes the OB too.
+
+    The values of a request are those of its type.
+    """
     engines: set[Dialect] = set()
     for spec in specs:
         files = {f"scl/{block.block}.scl": block.key for block in blocks_of(spec)}
+        files |= {request: key for file, key in files.items() for request in requests(spec, file)}
         if project_of(spec).plan(DrivePlan) and project_of(spec).target.dialect not in engines:
             engines.add(project_of(spec).target.dialect)
             files |= {f"scl/{name}.scl": ENGINE for name in FILES}
         for file, key in {**files, **({"scl/Main.scl": ""} if main else {})}.items():
             text = (golden(spec) / file).read_text(encoding=encoding_of(spec))
             turns: Counter[str] = Counter()
-            for mutant in (mutant for kind in kinds for mutant in KINDS[kind](text)):
+            of_code = [kind for kind in kinds if file.startswith("scl/") or kind == "changed"]
+            for mutant in (mutant for kind in of_code for mutant in KINDS[kind](text)):
                 turns[mutant.what] += 1
                 yield Case(spec, file, key, mutant, turns[mutant.what])
+
+
+def requests(spec: str, file: str) -> list[str]:
+    """The files of the types of a block's requests."""
+    folder = golden(spec)
+    text = (folder / file).read_text(encoding=encoding_of(spec))
+    names = re.findall(r'"(type\w*Request\w*)"', text)
+    return [path.relative_to(folder).as_posix() for name in names for path in folder.glob(f"udt/{name}.*")]
 
 
 def classic(text: str) -> str:
@@ -135,5 +148,6 @@ def known_cases() -> Iterator[Case]:
         if known.old not in text:
             raise SystemExit(f"{known.name}: {known.old!r} is not in {known.file}")
         keys = {f"scl/{block.block}.scl": block.key for block in blocks_of(known.spec)}
+        keys |= {request: key for file, key in keys.items() for request in requests(known.spec, file)}
         key = keys.get(known.file, ENGINE)
         yield Case(known.spec, known.file, key, Mutant(known.name, 0, text.replace(known.old, known.new)))

@@ -17,10 +17,11 @@ class Known:
 
 
 MM4, FAQ, PUMP = "s7-300_mm440_dp", "s7-300_6ra80_dp_tia", "s7-1500_g120_pn"
-READ, WRITE, CHANNEL = "scl/ReadParams.scl", "scl/WriteParams.scl", "scl/DriveChannel.scl"
+READ, WRITE = "udt/typeReadParams_Request.scl", "udt/typeWriteParams_Request.scl"
+CHANNEL = "scl/DriveChannel.scl"
 KNOWN = (
-    Known("every value of a multi-write from the first parameter", MM4, WRITE, "B#16#41, B#16#B0", "B#16#41, B#16#30"),
-    Known("subindex ignored", MM4, READ, "B#16#08, B#16#6B, B#16#00, B#16#01", "B#16#08, B#16#6B, B#16#00, B#16#00"),
+    Known("every value of a multi-write from the first parameter", MM4, WRITE, "REAL := 22.0", "REAL := 11.0"),
+    Known("subindex ignored", MM4, READ, "WORD := W#16#0001;  // ", "WORD := W#16#0000;  // "),
     Known("reference wraps to 0", MM4, CHANNEL, "statReference MOD 255 + 1", "(statReference + 1) MOD 256"),
     Known("answers in 41h to 43h taken for errors", MM4, CHANNEL, " OR tempCame = B#16#43", ""),
     Known(

@@ -94,9 +94,9 @@ def all_bodies(text: str) -> Iterator[tuple[ast.Statement, ...]]:
 
 
 def tokens(text: str) -> Iterator[Mutant]:
-    """Change one operator or constant of the code or of the constants."""
+    """Change one operator or constant of the code or of the constants, or a start value of a type."""
     start = re.search(r"^(CONST|VAR CONSTANT)$", text, re.MULTILINE)
-    begin = start.end() if start is not None else text.index("BEGIN")
+    begin = start.end() if start is not None else max(text.find("BEGIN"), text.find("STRUCT"))
     for found in _TOKEN.finditer(text, begin):
         old = found[0]
         if found["op"]:
