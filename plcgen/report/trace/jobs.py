@@ -21,6 +21,7 @@ class JobWatch:
         self._pins: dict[str, Watched] = {name: watch(cpu, job.facts.pins[name])[0] for name in (*_FLAGS, "status")}
         self._status = self._telegrams = self._retries = 0
         self._end = (0, 0)
+        self._rested = False
         self._kept = job.end(finished=False)
 
     @property
@@ -32,7 +33,7 @@ class JobWatch:
         """Set execute."""
         self._cpu[self.facts.execute] = True
 
-    def after(self, scan: int, contacts: Sequence[Contact]) -> None:
+    def after(self, contacts: Sequence[Contact]) -> None:
         """Look at the job after a scan."""
         if self.finished:
             return
@@ -40,17 +41,28 @@ class JobWatch:
         self._retries += self.job.after()
         busy, done, error = (self._pins[name].value() for name in _FLAGS)
         if done or error:
-            self.ending = "error" if error else "done"
-            self._end = scan, self._cpu.clock
-            self._keep()
+            self._finish(error=bool(error))
         elif busy:
             self.ending = "running"
 
     def again(self) -> None:
         """Somebody may start it once more: then that run is the one to tell of."""
-        if self.finished and self._pins["busy"].value():
+        busy, done, error = (self._pins[name].value() for name in _FLAGS)
+        if not self.finished:
+            return
+        if busy:
             self.ending = "running"
             self._telegrams = self._retries = 0
+        elif not done and not error:
+            self._rested = True
+        elif self._rested:  # refused at once: it never was busy
+            self._telegrams = self._retries = 0
+            self._finish(error=bool(error))
+
+    def _finish(self, *, error: bool) -> None:
+        self.ending, self._rested = "error" if error else "done", False
+        self._end = self._cpu.scans, self._cpu.clock
+        self._keep()
 
     def _keep(self) -> None:
         """Take status and values over as they are now: the next start changes them."""

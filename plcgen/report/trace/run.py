@@ -342,7 +342,7 @@ class Run:
         changes |= {position: value for position, value in seen.items() if value != self.now[position]}
         self.now = [changes.get(position, value) for position, value in enumerate(self.now)]
         for job in self.jobs:
-            job.after(number, [c for c in contacts if c.group == job.facts.key])
+            job.after([c for c in contacts if c.group == job.facts.key])
         if changes or contacts:
             ordered = tuple(sorted(changes.items()))
             self.steps.append(Step(number, self.cpu.clock, ordered, calls, contacts))

@@ -36,7 +36,7 @@ def questions(one: Desk) -> dict[str, tuple[type[Body], Answer]]:
         (desk.Nothing, one.folder), (desk.File, one.read), (desk.Save, one.save), (desk.New, one.new),
         (desk.Text, one.check), (desk.At, one.complete), (desk.At, one.hover), (desk.At, one.rename),
         (desk.Text, one.format), (desk.Search, one.search), (desk.Partner, one.kinds), (desk.Change, one.change),
-        (desk.Text, one.becomes), (desk.Part, one.part), (desk.Text, one.tags), (desk.Save, one.write),
+        (desk.Text, one.becomes), (desk.Part, one.part), (desk.Text, one.tags), (desk.Write, one.write),
         (desk.Load, one.load), (desk.Steps, one.step), (desk.Words, one.put), (desk.Strike, one.strike),
         (desk.Prove, one.verify), (desk.Against, one.review), (desk.Again, one.replay),
         (desk.Nothing, one.state), (desk.Nothing, one.cancel),

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from plcgen.api import default_folder
+from plcgen.api import GenerateResult, default_folder
+from plcgen.base.diagnostics import Severity
 from plcgen.base.files.files import read_bounded
 from plcgen.base.files.hashes import same_text
 from plcgen.build.environment import RenderedFile
@@ -149,6 +150,22 @@ def guide(folder: Path) -> str:
     """The steps of an import, as they lie in a folder."""
     data = _on_disk(folder, "IMPORT.md")
     return "" if data is None else data.decode("utf-8", "replace")
+
+
+def in_the_way(done: GenerateResult) -> list[dict[str, str]]:
+    """Files that writing would overwrite if it were told to, each with why it did not; none if that would not be all.
+
+    A manifest of another project stands for all files of that one: it is never offered.
+    """
+    errors = [one for one in done.diagnostics if one.severity is Severity.ERROR]
+    paths = [Path(one.span.file) for one in errors]
+    own = [path for path in paths if path.is_relative_to(done.folder) and path.is_file() and path.name != MANIFEST]
+    if any(one.code not in {"PG501", "PG502"} for one in errors) or len(own) < len(errors):
+        return []
+    return [
+        {"path": path.relative_to(done.folder).as_posix(), "why": one.message}
+        for path, one in zip(paths, errors, strict=True)
+    ]
 
 
 def zipped(made: Made, spec: Path) -> bytes:

@@ -64,6 +64,12 @@ class Save(Text):
     known: str = Field(max_length=64)
 
 
+class Write(Save):
+    """``overwrite``: files in the way, by their names in the output, that somebody has agreed to lose."""
+
+    overwrite: list[str] = Field([], max_length=2000)
+
+
 class Change(Text):
     """What the form adds."""
 
@@ -331,10 +337,13 @@ class Desk:
         """What a panel needs."""
         return becomes.panel(self.made(asked))
 
-    def write(self, asked: Save) -> dict[str, Any]:
-        """Save the spec and generate its folder, as ``plcgen generate`` does."""
-        known = self.save(asked)
-        done = api.generate(self.room.find(asked.name))
+    def write(self, asked: Write) -> dict[str, Any]:
+        """Save the spec and generate its folder; a file of the user is overwritten only if ``overwrite`` names it."""
+        known, path = self.save(asked), self.room.find(asked.name)
+        done = api.generate(path)
+        blocked = becomes.in_the_way(done)
+        if blocked and {one["path"] for one in blocked} <= set(asked.overwrite):
+            done, blocked = api.generate(path, force=True), []
         self.workspace.changed()
         return {
             **known,
@@ -346,6 +355,7 @@ class Desk:
             "written": list(done.written),
             "unchanged": len(done.unchanged),
             "removed": list(done.removed),
+            "in_the_way": blocked,
         }
 
     # --- run, verify, review ---------------------------------------------------------------------------------

@@ -231,6 +231,41 @@ def test_a_file_that_was_edited_is_not_overwritten(folder: Path, server: Server)
     assert file.read_text("utf-8") == "mine"
 
 
+def test_an_edited_file_is_overwritten_only_by_its_name(folder: Path, server: Server) -> None:
+    """Agreeing to another file, or to one of two, overwrites nothing; agreeing to all in the way writes them."""
+    asked = {**now(folder, FAQ), "known": server.told("read", {"name": FAQ})["known"]}
+    server.told("write", asked)
+    out = folder / "s7-300_6ra80_dp_tia_generated"
+    (source,) = out.glob("*.scl")
+    guide = out / "IMPORT.md"
+    for file in (source, guide):
+        file.write_text("mine", "utf-8")
+    both = sorted([source.name, guide.name])
+    for agreed in ([], ["other.scl"], [source.name]):
+        done = server.told("write", {**asked, "overwrite": agreed})
+        assert (done["ok"], sorted(one["path"] for one in done["in_the_way"])) == (False, both)
+        assert all("changed" in one["why"] for one in done["in_the_way"])
+        assert [file.read_text("utf-8") for file in (source, guide)] == ["mine", "mine"]
+    done = server.told("write", {**asked, "overwrite": both})
+    assert (done["ok"], sorted(done["written"]), done["in_the_way"]) == (True, both, [])
+    assert {one["state"] for one in server.told("becomes", now(folder, FAQ))["files"]} == {"same"}
+
+
+@pytest.mark.parametrize("what", ["a folder in the way", "another project"])
+def test_what_a_name_does_not_cover_is_never_overwritten(what: str, folder: Path, server: Server) -> None:
+    """A folder with the name of a file cannot be; a manifest stands for all files of another project."""
+    asked = {**now(folder, FAQ), "known": server.told("read", {"name": FAQ})["known"]}
+    out = folder / "s7-300_6ra80_dp_tia_generated"
+    if what == "another project":
+        api.generate(folder / PUMP, out)
+    else:
+        (out / "IMPORT.md").mkdir(parents=True)
+    before = {file: file.read_bytes() for file in out.rglob("*") if file.is_file()}
+    done = server.told("write", {**asked, "overwrite": ["IMPORT.md", "manifest.json"]})
+    assert (done["ok"], done["in_the_way"]) == (False, [])
+    assert {file: file.read_bytes() for file in out.rglob("*") if file.is_file()} == before
+
+
 def test_a_spec_that_somebody_else_has_changed_is_not_overwritten(folder: Path, server: Server) -> None:
     """Nor is a new one saved over a file that is there."""
     read = server.told("read", {"name": FAQ})
@@ -267,6 +302,24 @@ def test_a_job_that_is_started_again_is_told_of_anew(folder: Path, server: Serve
         server.told("put", {"text": "DriveJobs.setRamps.execute=FALSE"})
         server.told("step", {"scans": 5})
     assert ended == [("done", "0000"), ("error", "8401")]
+
+
+def test_a_job_that_is_refused_at_once_is_told_of(folder: Path, server: Server) -> None:
+    """A second save within 600 s is refused before it is busy (status 8502 of docs/generated-code.md), and why."""
+    keep = "jobs:\n  keep: {drive: pump, write: {P1121: 10.0}, verify: readback, save: drive_object}\n"
+    server.told("load", now(folder, PUMP, "jobs:\n", keep))
+    ended = []
+    for _ in range(2):
+        server.told("put", {"text": "DriveJobs.keep.execute=TRUE"})
+        for _ in range(20):
+            found = next(one for one in server.told("step", {"scans": 100})["results"] if one["job"] == "keep")
+            if found["ending"] != "running":
+                break
+        ended.append((found["ending"], found["status"]))
+        server.told("put", {"text": "DriveJobs.keep.execute=FALSE"})
+        server.told("step", {"scans": 3})
+    assert ended == [("done", "0000"), ("error", "8502")]
+    assert "save" in found["text"]
 
 
 def test_a_fault_by_hand_delays_the_job(folder: Path, server: Server) -> None:

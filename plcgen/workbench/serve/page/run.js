@@ -94,17 +94,17 @@ export function runTab(desk) {
   function buildJobs(found) {
     fill(jobs, state.jobs.map((job) => h("div", { class: "row job", "data-row": job.key },
       h("button", { title: job.execute, "aria-label": `execute ${job.key}`, "data-job": job.key, onclick: () => put(`${job.execute.replace(/"/g, "")}=${isOn(job) ? "FALSE" : "TRUE"}`) }),
-      h("b", {}, job.key), h("small", {}), job.inputs.length ? h("div", { class: "inputs" }, inputFields(job, found.inputs, put)) : null)));
+      h("b", {}, job.key), h("small", {}), h("p", { class: "meaning" }), job.inputs.length ? h("div", { class: "inputs" }, inputFields(job, found.inputs, put)) : null)));
   }
 
   function drawJobs(found) {
     for (const job of state.jobs) {
-      const row = jobs.querySelector(`[data-row="${CSS.escape(job.key)}"]`), [button, told] = [row.querySelector("button"), row.querySelector("small")];
+      const row = jobs.querySelector(`[data-row="${CSS.escape(job.key)}"]`), [button, told, meaning] = ["button", "small", ".meaning"].map((one) => row.querySelector(one));
       const last = found.results.find((one) => one.job === job.key), on = isOn(job);
       button.setAttribute("aria-pressed", on ? "true" : "false");
       button.textContent = on ? "\u25a0" : "\u25b6";
       told.className = last?.ending === "error" ? "bad" : "";
-      told.title = last?.text ?? "";
+      meaning.textContent = last?.ending === "error" ? last.text : "";
       told.textContent = last && last.ending !== "not_started" ? `${word(last.ending)} ${last.status}` : "";
     }
     renew(jobs, found.inputs);

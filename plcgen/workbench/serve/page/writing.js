@@ -11,22 +11,33 @@ export async function writeFiles(desk, written) {
   if (!made) return;
   const count = (kind) => made.files.filter((one) => one.state === kind).length;
   const dialog = $("#dialog");
-  const go = async () => {
+  const go = async (overwrite) => {
     dialog.close();
     const asked = { ...desk.now, known: desk.known };
-    const done = await attempt(() => ask("write", asked));
+    const done = await attempt(() => ask("write", { ...asked, overwrite }));
     if (!done) return;
     await written(asked.text, done.known);
+    if (done.in_the_way.length) return blocked(done.in_the_way);
     for (const one of done.problems) tell(`${one.code}: ${one.message}${one.file ? ` (${one.file})` : ""}`, one.severity, one.help);
     if (done.ok) finished(desk, done);
   };
-  fill(dialog, h("h2", {}, word("writeAsk")),
+  // Only the files that are named here are overwritten, and only after this second question.
+  const blocked = (files) => {
+    fill(dialog, h("h2", { class: "bad" }, word("blockedAsk")), h("p", {}, word("blockedRule")),
+      h("ul", { id: "in-the-way" }, files.map((one) => h("li", {}, h("code", {}, one.path), h("small", {}, ` ${one.why}`)))),
+      h("form", { method: "dialog", class: "buttons" },
+        h("button", { class: "main" }, word("keepMine")),
+        h("button", { type: "button", id: "overwrite", onclick: () => go(files.map((one) => one.path)) }, word("overwrite")),
+        h("button", { type: "button", onclick: () => { dialog.close(); zip(desk); } }, word("zipInstead"))));
+    dialog.showModal();
+  };
+  fill(dialog, h("h2", {}, word(desk.dirty ? "writeAsk" : "writeAskSaved")),
     h("dl", {}, h("dt", {}, word("spec")), h("dd", {}, h("code", {}, made.spec)),
       h("dt", {}, word("folder")), h("dd", {}, h("code", {}, made.path)),
       h("dt", {}, word("files")), h("dd", {}, `${count("new")} ${word("new")}, ${count("changed")} ${word("changed")}, ${count("same")} ${word("same")}`)),
     h("p", { class: "quiet" }, word("writeRule")),
     h("form", { method: "dialog", class: "buttons" },
-      h("button", { class: "main", type: "button", id: "write-now", onclick: go }, word("writeNow")),
+      h("button", { class: "main", type: "button", id: "write-now", onclick: () => go([]) }, word("writeNow")),
       h("button", { type: "button", onclick: () => { dialog.close(); zip(desk); } }, word("zipInstead")),
       h("button", {}, word("cancel"))));
   dialog.showModal();
