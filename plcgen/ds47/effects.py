@@ -150,6 +150,11 @@ def classified(pnu: int) -> bool:
     return pnu in _table()
 
 
+PROFILE = range(900, 1000)
+"""Numbers that the PROFIdrive profile has for itself, the same in drives of every maker."""
+UNKNOWN_HERE = "what it does in this drive is not known; in drives of Siemens"
+
+
 def danger(pnu: int, called: Collection[str], values: Collection[object] | None = None) -> str:
     """Why a write of these values needs a sign-off, with its class of effect; empty if it needs none.
 
@@ -163,4 +168,7 @@ def danger(pnu: int, called: Collection[str], values: Collection[object] | None 
     near = {own, *families()[own].like} if own else set()
     names = [one.title for key, one in families().items() if key in first.families and not near & first.families]
     where = f", of {', '.join(names)}" if names else "" if first.families else ", as its neighbours"
-    return f"{first.reason.why} (effect: {first.reason.kind}{where})"
+    why = first.reason.why
+    if not own and pnu not in PROFILE:  # another maker's number may mean anything
+        why = f"{UNKNOWN_HERE} it {why.removeprefix('it ')}"
+    return f"{why} (effect: {first.reason.kind}{where})"

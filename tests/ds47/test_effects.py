@@ -114,6 +114,16 @@ def test_no_definition_lifts_it(tmp_path: Path, device: str, pnu: int) -> None:
     (told,) = [d for d in result.diagnostics if d.code == "PG219"]
     if pnu == 29300:
         assert told.message.endswith("(effect: moves, of V90)")
+    unknown = "what it does in this drive is not known; in drives of Siemens it "
+    assert (unknown in told.message) == ("s210" not in device)
+
+
+def test_numbers_of_the_profile_mean_the_same_everywhere() -> None:
+    """P971 saves and P972 restarts in every drive with the profile; P101 is known of an S120 only."""
+    foreign = find_device("profidrive")
+    assert not any("not known" in foreign.danger(pnu) for pnu in (971, 972, 976))
+    assert "not known" in foreign.danger(101)
+    assert "not known" not in find_device("sinamics-s120").danger(101)
 
 
 FORMS = {

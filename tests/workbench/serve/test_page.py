@@ -62,6 +62,23 @@ needs_editor = pytest.mark.skipif(not has_editor(), reason="the editor is not bu
 
 
 @needs_editor
+def test_a_sign_off_has_its_reason_at_once(browser: Page) -> None:
+    """Its button asks why and writes key and reason together; nothing is written while nobody gives one."""
+    browser.click(".cm-line", "jobs:")
+    browser.press("End")
+    drive = browser.evaluate("document.querySelector('#drives b').textContent")
+    browser.type(f"\n  save_all: {{drive: {drive}, write: {{P971: 1")
+    browser.sees("#problems .error", "PG219")
+    browser.evaluate("window.prompt = () => null, 1")
+    browser.click("#problems .fix", "add allow: {P971: }")
+    assert "allow:" not in text(browser)
+    browser.evaluate("window.prompt = () => 'once, at commissioning: \"ok\"', 1")
+    browser.click("#problems .fix", "add allow: {P971: }")
+    browser.wait("!document.querySelector('#problems .error')")
+    assert 'allow: {P971: "once, at commissioning: \\"ok\\""}' in text(browser)
+
+
+@needs_editor
 def test_a_mistake_is_seen_explained_and_corrected(browser: Page) -> None:
     """Typed in the editor: a mark and a problem; its button puts the word right; Ctrl+Z takes that back."""
     browser.click(".cm-line", "drives:")

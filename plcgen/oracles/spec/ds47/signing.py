@@ -55,7 +55,10 @@ class Effects:
             class_ = reason["class"]
             met = not row.value or values is None or int(row.value) in values
             if met and self.words["classes"][class_]["asks"]:
-                return f"{reason['why']} (effect: {class_}{self._where(row, set().union(*near))})"
+                why = reason["why"]
+                if not family and number not in range(900, 1000):
+                    why = f"what it does in this drive is not known; in drives of Siemens it {why.removeprefix('it ')}"
+                return f"{why} (effect: {class_}{self._where(row, set().union(*near))})"
         return "" if number in self.rows or number in drive.catalogue.harmless else UNKNOWN
 
     def family(self, drive: KnownDrive) -> str:

@@ -3,7 +3,7 @@ import { $, fill, h, later, option, field } from "./dom.js";
 import { ask, attempt } from "./ask.js";
 import { label, language, speak, word } from "./words.js";
 import { makeEditor } from "./editor.js";
-import { specTab } from "./spec.js";
+import { reasoned, specTab } from "./spec.js";
 import { becomesTab } from "./becomes.js";
 import { runTab } from "./run.js";
 import { verifyTab } from "./verify.js";
@@ -183,7 +183,7 @@ async function begin() {
   if (!desk.folder) return;
   const room = h("div", { class: "editor", id: "editor" });
   desk.editor = await makeEditor(room, {
-    changed, complete: (at) => attempt(() => ask("complete", { ...desk.now, ...at })), hover: (at) => attempt(() => ask("hover", { ...desk.now, ...at })),
+    changed, reasoned, complete: (at) => attempt(() => ask("complete", { ...desk.now, ...at })), hover: (at) => attempt(() => ask("hover", { ...desk.now, ...at })),
   }, desk.folder.editor);
   const draw = () => {
     label(document);

@@ -35,6 +35,7 @@ class Field {
     this.area.focus();
     this.area.setSelectionRange(place, place);
   }
+  focus() { this.area.focus({ preventScroll: true }); }
   measure() {}
 }
 
@@ -85,7 +86,7 @@ class Code {
     const marks = found.filter((one) => one.here && one.line).map((one) => {
       const { from, to } = this.range(one.place);
       const severity = { error: "error", warning: "warning", note: "info" }[one.severity];
-      const actions = one.fixes.map((fix) => ({ name: fix.title, apply: () => this.apply(fix.edits) }));
+      const actions = one.fixes.map((fix) => ({ name: fix.title, apply: () => this.apply(this.hooks.reasoned(fix.edits) ?? []) }));
       const say = () => h("div", { class: "say" }, h("b", {}, one.code), ` ${one.message}`, one.help ? h("small", {}, one.help) : null);
       return { from, to: Math.max(to, from), severity, message: one.message, renderMessage: say, actions };
     });
@@ -96,6 +97,7 @@ class Code {
     this.view.dispatch({ selection: { anchor: place }, effects: this.cm.EditorView.scrollIntoView(place, { y: "center" }) });
     this.view.focus();
   }
+  focus() { this.view.focus(); }
   undo() { this.cm.undo(this.view); }
   redo() { this.cm.redo(this.view); }
   measure() { this.view.requestMeasure(); }

@@ -33,7 +33,7 @@ const WORDS = {
   stations: ["Stations", "Stationen"], catalogue: ["Parameters", "Parameter"],
   searchHint: ["ramp, motor temperature, P1120, F30001", "ramp, motor temperature, P1120, F30001"],
   addTo: ["Job", "Auftrag"], readIt: ["+ read", "+ lesen"], writeIt: ["+ write", "+ schreiben"],
-  nothingFound: ["nothing found", "nichts gefunden"], dangerous: ["dangerous", "gefährlich"], more: ["more: be more precise", "weitere: genauer suchen"],
+  nothingFound: ["nothing found", "nichts gefunden"], dangerous: ["needs a sign-off", "Freigabe nötig"], reasonAsked: ["Why is this intended? The reason is written into the spec.", "Warum ist das so gewollt? Der Grund steht dann in der Spec."], more: ["more: be more precise", "weitere: genauer suchen"],
   family: ["CPU family", "CPU-Familie"], toolchain: ["Toolchain", "Werkzeug"], create: ["Create", "Anlegen"], cancel: ["Cancel", "Abbrechen"],
   file: ["File", "Datei"], ppiMaster: ["S7-200 stations (PPI)", "S7-200-Stationen (PPI)"], format: ["Format", "Formatieren"],
   telegrams: ["Telegrams", "Telegramme"], panel: ["Panel", "Panel"], lock: ["Lock", "Sperrdatei"], folder: ["Folder", "Ordner"], files: ["Files", "Dateien"], workList: ["Work list", "Schreibliste"],

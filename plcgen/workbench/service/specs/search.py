@@ -105,7 +105,9 @@ def _parameters(drive: KnownDrive, words: str) -> Iterator[Parameter]:
 def _shown(drive: KnownDrive, one: Parameter) -> FoundParameter:
     writable = "w" in one.access
     danger = drive.device.danger(one.pnu, object_type=drive.object_type) if writable else ""
-    return FoundParameter(spelled(one), in_short(one), drive.device.key, writable, danger, in_full(one))
+    facts = [("Sign-off", danger), *in_full(one)]
+    known = [(name, text) for name, text in facts if text]
+    return FoundParameter(spelled(one), in_short(one), drive.device.key, writable, danger, known)
 
 
 def _messages(drive: KnownDrive, words: str) -> Iterator[Message]:
