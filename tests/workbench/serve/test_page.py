@@ -67,7 +67,7 @@ def test_a_sign_off_has_its_reason_at_once(browser: Page) -> None:
     browser.click(".cm-line", "jobs:")
     browser.press("End")
     drive = browser.evaluate("document.querySelector('#drives b').textContent")
-    browser.type(f"\n  save_all: {{drive: {drive}, write: {{P971: 1")
+    browser.type(f"\n  save_all: {{drive: {drive}, write: {{P971: 1}}}}")
     browser.sees("#problems .error", "PG219")
     browser.evaluate("window.prompt = () => null, 1")
     browser.click("#problems .fix", "add allow: {P971: }")
