@@ -73,7 +73,7 @@ def watch_rows(command: Command) -> Iterator[WatchRow]:
             signal_operand(command, signal.name),
             address.text(percent=False) if isinstance(address, Address) else "",
             "Hex" if signal.name == "status" else "Bool",
-            "TRUE" if signal.name == "execute" else "",
+            "",  # "Modify all" of a table that sets execute would start every drive
         )
     for value in (*command.inputs, *command.outputs, *command.shared):
         for suffix, shown in value.shown:

@@ -144,12 +144,6 @@ class _Tables:
         }
 
     @cached_property
-    def starters(self) -> set[str]:
-        """Addresses of the flags that start a job."""
-        found = (job.trigger.execute for job in self.project.jobs)
-        return {address.text(percent=False) for address in found if isinstance(address, Address)}
-
-    @cached_property
     def own(self) -> set[str]:
         """Places of the user's own program."""
         places = (place for job in self.project.jobs for _, place in job.trigger.items())
@@ -318,8 +312,8 @@ class _Tables:
         elif block is None:
             if address not in flags:
                 yield f"{name} at {address} is neither in a block nor a flag of the spec"
-            elif (modify == "TRUE") != (address in self.starters) or modify not in {"", "TRUE"}:
-                yield f"{name} is set to {modify or 'nothing'}"
+            elif modify:
+                yield f"{name} is set to {modify}"
         else:
             try:
                 entry = locate(self.layout(block), found[2] or "")
@@ -330,12 +324,9 @@ class _Tables:
             number = self.numbers.get(block.name)
             if address and (said is None or (int(said[1]), int(said[2])) != (number, entry.byte)):
                 yield f"{name} lies at DB{number}, byte {entry.byte}, not at {address}"
-            command = name.rsplit(".", 1)[-1].lower() == "execute"
             start = self.image(block)[entry.byte : entry.byte + max(1, entry.size // 8)]
-            if modify and not command and not any(start) and not _nothing(modify):
+            if modify and not any(start) and not _nothing(modify):
                 yield f"{name} is set to {modify}, which has no start value"
-            if command and modify != "TRUE":
-                yield f"{name} is set to {modify or 'nothing'}"
 
 
 def _nothing(text: str) -> bool:

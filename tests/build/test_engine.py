@@ -127,7 +127,7 @@ def test_tables_come_from_the_same_nouns(tmp_path: Path, monkeypatch: pytest.Mon
     """Watch table, tags, layout sheet, guide and SimaticML of an S7-1500."""
     made = files("s7-1500", "tia-v19", tmp_path, monkeypatch)
     assert made["watch/Toy.csv"].splitlines()[1:] == [
-        '"""moveExecute""";M50.0;Bool;TRUE',
+        '"""moveExecute""";M50.0;Bool;',
         '"""Toys"".move.busy";;Bool;',
         '"""Toys"".move.done";;Bool;',
         '"""Toys"".move.error";;Bool;',

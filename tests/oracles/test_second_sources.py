@@ -43,7 +43,10 @@ def facts(plan: DrivePlan) -> dict[str, Check]:
 def test_one_source_is_told(plan: DrivePlan) -> None:
     """p50303 is in a FAQ besides the profile's manual, p50301 is not; r948 and p2112 are in lists."""
     found = facts(plan)
-    assert found["types.sinamics-dcm"].verdict == "1 of 2 types: a second source agrees; one source: P50301"
+    assert (
+        found["types.sinamics-dcm"].verdict
+        == "1 of 2 types: a second source agrees; one source: P50301; inferred, not read in a manual: P50301"
+    )
     assert found["types.sinamics-s120"].verdict == "2 of 2 types: a second source agrees"
 
 

@@ -122,7 +122,7 @@ for name, old, new in (
     ("another place", "DB3.DBB0", "DB3.DBB1"),
     ("another data block", "DB4.DBD6", "DB5.DBD6"),
     ("a member that is none", 'RD_DataBuffer"".ParameterValue', 'RD_DataBuffer"".Value'),
-    ("execute is not set", "M50.0;Bool;TRUE", "M50.0;Bool;FALSE"),
+    ("execute is set", "M50.0;Bool;", "M50.0;Bool;TRUE"),
     ("done is set", "M50.5;Bool;", "M50.5;Bool;TRUE"),
     ("a flag that is none", "M50.0", "M51.0"),
     ("a row is missing", '"""RD_DataBuffer"".ParameterValue";DB4.DBD6;FloatingPoint;\n', ""),

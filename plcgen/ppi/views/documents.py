@@ -37,6 +37,7 @@ def contribution(plan: PpiPlan) -> Contribution:
 def _guide(plan: PpiPlan) -> tuple[list[GuidePart], list[GuidePart]]:
     speeds = sorted({master.baud for master in plan.masters})
     view = {
+        "controls": [plan.control_db.name],
         "masters": [
             {"block": master.block.name, "module": MODULES[master.module], "baud": master.baud, "port": master.port}
             for master in plan.masters

@@ -36,6 +36,7 @@ def cultures(project: Project) -> tuple[str, ...]:
 def check_guide(project: Project, folder: Path, stated: Sequence[Wording], text: str) -> Iterator[tuple[int, str]]:
     """The import guide; that its order compiles is looked at elsewhere."""
     parts = [one.guide() for one in stated]
+    watch = "watch_v5" if project.target.v5 else "watch_xml" if project.target.xml_version else "watch_plain"
     wanted = [
         GuideLine(f"# {project.name}: how to import"),
         *map(GuideLine, _steps(project, folder, stated)),
@@ -44,7 +45,7 @@ def check_guide(project: Project, folder: Path, stated: Sequence[Wording], text:
             "plcgen compares the specs of a folder. "
             f"Generated for {project.target.toolchain}. These files belong to you."
         ),
-        *map(GuideLine, (*_foreign(project), *_flags(project))),
+        *map(GuideLine, (*_said("reloaded"), *_said(watch), *_foreign(project), *_flags(project))),
         *(line for before, _ in parts for line in before),
     ]
     behind = [line for _, after in parts for line in after]
@@ -126,7 +127,8 @@ def check_documents_guide(
         "languages": ", ".join(f"`{name}`" for name in cultures(project)),
     }
     parts = ("documents", "script" if script else "no_script")
-    front = [*(line for part in parts for line in _said(part, **words)), "## Order", *steps, *_said("faults", **words)]
+    faults = [line for part in ("faults", f"faults_{parts[1]}", "faults_end") for line in _said(part, **words)]
+    front = [*(line for part in parts for line in _said(part, **words)), "## Order", *steps, *faults]
     yield from differences([*map(GuideLine, front), *_experimental(project, folder, stated)], lines, 0)
     titles = [line.partition(". ")[2].partition(":")[0] for line in steps]
     if titles != [title for title in _texts()["titles"] if title in titles] or len(titles) != len(set(titles)):

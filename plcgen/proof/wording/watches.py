@@ -70,7 +70,7 @@ class Watches:
         """How a place is shown."""
         signal = self.own.get(name) or self.flags.get(address, "")
         if signal:
-            return Shown("Hex" if signal == "status" else "Bool", "TRUE" if signal == "execute" else ""), None
+            return Shown("Hex" if signal == "status" else "Bool", ""), None
         found = _PLACE.fullmatch(name)
         block = self.folder.text.get(found[1].upper()) if found else None
         if found is None or block is None:

@@ -380,7 +380,7 @@ class DriveWording:
             }  # fmt: skip
             formats |= {f"{use.member}Dword": "HEX" for job in self.plan.jobs if job.serves for use in job.uses}
             own = {"status": "Hex", "cause": "HEX", "diagnosis": "Hex", **formats}.get(path[1])
-            return Shown(own or number or "DEC", "TRUE" if path[1:] == ["execute"] else "")
+            return Shown(own or number or "DEC", "")
         if name not in self.buffers or block.kind is not BlockKind.DB:
             return None
         job, at, answer = self.buffers[name]

@@ -44,8 +44,11 @@ def guide_before(plan: DrivePlan) -> list[GuideLine]:
     found = _said("identifiers", what="address" if plan.target.classic else "identifier")
     found += [_drive(drive, classic=plan.target.classic) for drive in plan.drives if drive.key in asked]
     used = {drive.record_index for drive in plan.drives if drive.key in asked}
+    found += [] if plan.target.classic else _said("constant")
     found += _said("record_47") if RECORD_47 in used and not plan.target.classic else []
     found += _said("errors") if plan.target.classic else []
+    found += _said("jobs", controls=", ".join(f"`{one.control.name}`" for one in plan.callers))
+    found += [] if plan.target.v5 else _said("by_name")
     numbered = [
         buffer.db for job in plan.shapes for one in job.telegrams for buffer in one.buffers if buffer.db is not None
     ]

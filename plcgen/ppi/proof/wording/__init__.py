@@ -240,12 +240,13 @@ class PpiWording:
         return ""
 
     def shown(self, block: Block, path: Sequence[str], type_: str) -> Shown | None:
-        """How a watch table shows a member, and what it offers to write."""
+        """How a watch table shows a member; nothing of it is offered to be written."""
+        del path
         name = block.name.upper()
         number = {"REAL": "FloatingPoint", "BOOL": "Bool", "CHAR": "Character"}.get(type_, "")
         if name == self.control:
             hexadecimal = type_ in {"BYTE", "WORD", "DWORD"}
-            return Shown(number or ("Hex" if hexadecimal else "DEC"), "TRUE" if path[1:] == ["execute"] else "")
+            return Shown(number or ("Hex" if hexadecimal else "DEC"), "")
         if name in self.buffers:
             return Shown(number or ("DEC" if type_ in INTEGERS else "Hex"))
         return None

@@ -38,6 +38,8 @@ def guide_before(plan: PpiPlan) -> list[GuideLine]:
             for one in plan.masters
         ),
         *_module(plan),
+        *_said("jobs", controls=f"`{plan.control_db.name}`"),
+        *([] if plan.target.v5 else _said("by_name")),
     ]
     writes = [line for master in plan.masters for line in _writes(master)]
     head = [GuideLine("## What these masters write"), GuideLine("| job | station | address | value |")]
