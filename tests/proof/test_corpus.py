@@ -168,9 +168,9 @@ for name, old, new in (
         "3. `udt/typeDriveAsk.scl`\n4. `udt/typeDriveUnit.scl`",
         "3. `udt/typeDriveUnit.scl`\n4. `udt/typeDriveAsk.scl`",
     ),
-    ("a source is missing", "15. `scl/DriveGate.scl`\n", ""),
+    ("a source is missing", "17. `scl/DriveGate.scl`\n", ""),
     ("a source in another folder", "`scl/DriveGate.scl`", "`db/DriveGate.scl`"),
-    ("a number of the order", "15. `scl/DriveGate.scl`", "51. `scl/DriveGate.scl`"),
+    ("a number of the order", "17. `scl/DriveGate.scl`", "71. `scl/DriveGate.scl`"),
     ("a sentence in front of the order", "\n## Order", "\nThe drive has 5 parameters.\n\n## Order"),
     ("with Main", "without `Main`", "with `Main`"),
 ):
