@@ -17,7 +17,7 @@ from plcgen.ds47.recording.faults import drive_faults, plan_faults
 from plcgen.ds47.recording.jobs import DriveJobWatch, UnitWatch
 from plcgen.ds47.recording.partners import Partner, connect
 from plcgen.ds47.sim.drive import Drive
-from plcgen.ds47.sim.faults import KINDS
+from plcgen.ds47.sim.faults import KINDS, Fault
 from plcgen.ds47.sim.load import value_of
 from plcgen.ds47.sim.parameters import SimulatedParameter
 from plcgen.ds47.texts import dissect_telegram
@@ -94,11 +94,14 @@ class DriveRecording:
             raise usage(text, str((wrong.context or {}).get("message", wrong))) from None
         return True
 
-    def strike(self, fault: str) -> None:
+    def strike(self, fault: str) -> list[Fault]:
         """For all drives, or for ``drive=`` alone. Raises DiagnosticError."""
-        planned = plan_faults([fault], None, self.partners)
+        planned, struck = plan_faults([fault], None, self.partners), list[Fault]()
         for address, partner in self._partners.items():
-            partner.drive.faults += planned.of(*(one.key for one in self.plan.drives if one.id_value == address))
+            fresh = planned.of(*(one.key for one in self.plan.drives if one.id_value == address))
+            partner.drive.faults += fresh
+            struck += fresh
+        return struck
 
     def _stored(self, drive: str, pnu: int) -> SimulatedParameter | None:
         """A parameter of the simulated drive behind a drive of the spec."""

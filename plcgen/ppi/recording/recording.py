@@ -125,10 +125,14 @@ class PpiRecording:
         set_address(self._lines[key], rest)
         return True
 
-    def strike(self, fault: str) -> None:
+    def strike(self, fault: str) -> list[Fault]:
         """On every line. Raises DiagnosticError."""
+        struck: list[Fault] = []
         for line in self._lines.values():
-            line.faults += read_faults([fault], None)
+            fresh = read_faults([fault], None)
+            line.faults += fresh
+            struck += fresh
+        return struck
 
     def attach(self, cpu: RecordingCpu) -> RecordedMasters:
         """Watch masters and jobs."""

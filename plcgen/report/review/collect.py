@@ -60,7 +60,7 @@ def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress 
     missing: list[str] = [] if verification.ledger else [_NO_LEDGER]
     files = _files(request.folder)
     if base is None:
-        missing.append("what changed: nothing to compare with was named (--against)")
+        missing.append("what changed: nothing to compare with was named")
     lock = _lock(request)
     if lock is None:
         missing.append(f"a layout lock: there is no {DEFAULT} beside the spec")

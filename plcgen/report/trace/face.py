@@ -85,6 +85,16 @@ class FaultKey:
     known: tuple[tuple[str, str], ...] = ()
 
 
+class PendingFault(Protocol):
+    """A fault that waits for its occasions: ``times`` are left, None for all; with 0 it is spent."""
+
+    times: int | None
+
+    @property
+    def spent(self) -> bool:
+        """Whether it has struck as often as it should."""
+
+
 class RecordedJob(Protocol):
     """A job on a CPU."""
 
@@ -182,5 +192,5 @@ class Recording(Protocol):
     def put(self, text: str) -> bool:
         """Change a partner by hand, ``NAME=VALUE``; False if it has nothing of that name. Raises DiagnosticError."""
 
-    def strike(self, fault: str) -> None:
-        """One more fault from now on. Raises DiagnosticError."""
+    def strike(self, fault: str) -> Sequence[PendingFault]:
+        """One more fault from now on, of one or more partners. Raises DiagnosticError."""

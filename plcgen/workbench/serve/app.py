@@ -38,6 +38,7 @@ def questions(one: Desk) -> dict[str, tuple[type[Body], Answer]]:
         (desk.Text, one.format), (desk.Search, one.search), (desk.Partner, one.kinds), (desk.Change, one.change),
         (desk.Text, one.becomes), (desk.Part, one.part), (desk.Text, one.tags), (desk.Write, one.write),
         (desk.Load, one.load), (desk.Steps, one.step), (desk.Words, one.put), (desk.Strike, one.strike),
+        (desk.Withdraw, one.withdraw),
         (desk.Prove, one.verify), (desk.Against, one.review), (desk.Again, one.replay),
         (desk.Nothing, one.state), (desk.Nothing, one.cancel),
         (desk.Text, one.lock), (desk.Save, one.relock), (desk.Lists, one.texts),

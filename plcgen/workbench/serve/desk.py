@@ -128,6 +128,12 @@ class Strike(Body):
     keys: dict[str, str] = Field(max_length=12)
 
 
+class Withdraw(Body):
+    """A fault by its number."""
+
+    number: int = Field(ge=0)
+
+
 class Prove(Text):
     """What is verified, and how much."""
 
@@ -382,6 +388,10 @@ class Desk:
     def strike(self, asked: Strike) -> dict[str, Any]:
         """Let something go wrong."""
         return self.live.strike(asked.kind, asked.keys)
+
+    def withdraw(self, asked: Withdraw) -> dict[str, Any]:
+        """Let it go right again."""
+        return self.live.withdraw(asked.number)
 
     def verify(self, asked: Prove) -> dict[str, Any]:
         """Begin to verify."""

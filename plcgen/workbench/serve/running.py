@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import re
 import threading
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, replace
 from typing import Any
 
-from plcgen.base.diagnostics import Report
+from plcgen.base.diagnostics import DiagnosticError, Report, Span
 from plcgen.base.files.options import usage
 from plcgen.report.trace.data import trace_data
-from plcgen.report.trace.face import JobInput, RecordedJob
+from plcgen.report.trace.face import JobInput, PendingFault, RecordedJob
 from plcgen.report.trace.recorder import recorded_value, watch
 from plcgen.report.trace.run import Run, RunSettings, Simulation
 from plcgen.report.trace.settings import all_right, parse_timed_value
@@ -18,6 +20,7 @@ from plcgen.report.trace.values import located, valued_members
 from plcgen.s7.types.data_types import ArrayType
 from plcgen.s7.types.spelling import type_text
 
+_DECIMAL_COMMA = re.compile(r"(?<=[=])(\s*[-+]?\d+),(\d+\s*)\Z", re.ASCII)
 MAX_SCANS = 200
 """Scans of one request."""
 MAX_STEPS = 4000
@@ -34,6 +37,7 @@ class Live:
         self._lock = threading.Lock()
         self._run: Run | None = None
         self._sent = self._known = 0
+        self._struck: list[tuple[str, Sequence[PendingFault]]] = []
         self.number = 0
 
     def load(self, simulation: Simulation, scan_time: int) -> dict[str, Any]:
@@ -41,6 +45,7 @@ class Live:
         with self._lock:
             run = simulation.begin(RunSettings(scan_time=scan_time), Report())
             self._run, self._sent, self._known, self.number = run, 0, 0, self.number + 1
+            self._struck = []
             found = trace_data(run.trace())
             return {
                 "number": self.number,
@@ -84,10 +89,12 @@ class Live:
         with self._lock:
             run = self._loaded()
             text = text.replace('"', "").replace(":=", "=")  # as SCL writes it, too
-            if not any(recording.put(text) for recording in run.recordings):
-                (item,) = all_right([parse_timed_value(text)])
-                ((_, path, value),) = all_right([located(run.cpu, item, run.controls)])
-                run.cpu[path] = value
+            text = _DECIMAL_COMMA.sub(r"\1.\2", text)
+            with _of_the_page():
+                if not any(recording.put(text) for recording in run.recordings):
+                    (item,) = all_right([parse_timed_value(text)])
+                    ((_, path, value),) = all_right([located(run.cpu, item, run.controls)])
+                    run.cpu[path] = value
             return self._now(run)
 
     def strike(self, kind: str, keys: Mapping[str, str]) -> dict[str, Any]:
@@ -100,8 +107,17 @@ class Live:
                 raise usage(f"fault {kind}", f'"{wrong}" is no value', "a number, bytes in hexadecimal, or a word")
             text = f"{kind}:{','.join(f'{key}={value}' for key, value in given.items())}"
             known = [recording for recording in run.recordings if kind in recording.faults]
-            for recording in known or run.recordings[:1]:
-                recording.strike(text)
+            with _of_the_page():
+                struck = [fault for recording in known or run.recordings[:1] for fault in recording.strike(text)]
+            self._struck.append((text.rstrip(":").replace(":", ": ", 1).replace(",", ", "), struck))
+            return self._now(run)
+
+    def withdraw(self, number: int) -> dict[str, Any]:
+        """End one of the faults that were let in. Raises DiagnosticError."""
+        with self._lock:
+            run = self._loaded()
+            for fault in self._struck[number][1] if number < len(self._struck) else ():
+                fault.times = 0
             return self._now(run)
 
     def _loaded(self) -> Run:
@@ -123,9 +139,28 @@ class Live:
             "results": found["jobs"],
             "signals": fresh,
             "inputs": {path: _shown(run.cpu[path]) for job in run.jobs for path, _ in _elements(run, job.job)},
+            "struck": [
+                {"number": number, "text": text, "left": max(times) if (times := _left(faults)) else None}
+                for number, (text, faults) in enumerate(self._struck)
+                if not all(fault.spent for fault in faults)
+            ],
             "partners": [list(one) for recording in run.recordings for one in recording.contents()],
             "diagnostics": found["diagnostics"],
         }
+
+
+def _left(faults: Iterable[PendingFault]) -> list[int]:
+    """How often faults still strike; those without an end do not count."""
+    return [fault.times for fault in faults if fault.times is not None]
+
+
+@contextmanager
+def _of_the_page() -> Iterator[None]:
+    """Problems of what was typed into a field have no option of the command line as their place."""
+    try:
+        yield
+    except DiagnosticError as problem:
+        raise DiagnosticError([replace(one, span=Span("")) for one in problem.diagnostics]) from None
 
 
 def _elements(run: Run, job: RecordedJob) -> Iterator[tuple[str, JobInput]]:

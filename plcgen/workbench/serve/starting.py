@@ -38,6 +38,12 @@ def _number(given: Given, which: str, default: str, place: str) -> str:
 
 
 def new_spec(name: str, given: Given, folder: Path) -> str:
+    """The text of a starter spec without its hints at commands of a shell: here are buttons for them."""
+    lines = _starter_text(name, given, folder).splitlines(keepends=True)
+    return "".join(line for line in lines if not (line.startswith("#") and re.search(r"plcgen \w", line)))
+
+
+def _starter_text(name: str, given: Given, folder: Path) -> str:
     """The text of a starter spec with the names and numbers that were asked for. Raises DiagnosticError."""
     family, tool = given.get("family", "s7-1500"), given.get("toolchain", "tia-v17")
     problem = combination_problem(family, tool) if family in FAMILIES else f"{family} is no family"

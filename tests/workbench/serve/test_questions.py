@@ -322,6 +322,40 @@ def test_a_job_that_is_refused_at_once_is_told_of(folder: Path, server: Server) 
     assert "save" in found["text"]
 
 
+def test_faults_that_still_strike_are_listed_and_removed(folder: Path, server: Server) -> None:
+    """With what was typed and how often they strike; one that is removed no longer does: the job ends well."""
+    server.told("load", now(folder, PUMP))
+    fault = {"kind": "error", "keys": {"number": "16#11", "times": "3"}}
+    (one,) = server.told("strike", fault)["struck"]
+    assert (one["text"].startswith("error: "), "number=16#11" in one["text"], one["left"]) == (True, True, 3)
+    for expected, left in (("error", [2]), ("done", [])):
+        server.told("put", {"text": "DriveJobs.setRamps.execute=TRUE"})
+        found = server.told("step", {"scans": 200})
+        assert (found["results"][0]["ending"], [each["left"] for each in found["struck"]]) == (expected, left)
+        server.told("put", {"text": "DriveJobs.setRamps.execute=FALSE"})
+        server.told("step", {"scans": 5})
+        server.told("withdraw", {"number": one["number"]})
+
+
+def test_a_value_may_have_a_decimal_comma(folder: Path, server: Server) -> None:
+    """As it is typed in German; what is no value is refused without an option of the command line."""
+    server.told("load", now(folder, PUMP))
+    found = server.told("put", {"text": "DriveJobs.setRamps.rampUpTime=20,5"})
+    assert next(value for path, value in found["inputs"].items() if path.endswith("rampUpTime")) == "20.5"
+    assert "pump.P1120" in {one[0] for one in found["partners"] if one[2] == "10.0"}
+    assert "--set" not in server.ask("put", {"text": "DriveJobs.setRamps.rampUpTime=2,0,5"}).text
+    assert "--fault" not in server.ask("strike", {"kind": "status", "keys": {}}).text
+
+
+def test_a_new_spec_names_no_commands_of_a_shell(server: Server) -> None:
+    """Its page has buttons for them."""
+    given = {"family": "s7-1500", "toolchain": "tia-v19", "device": "sinamics-g120"}
+    for device in ("sinamics-g120", "ppi"):
+        text = server.told("new", {"name": f"{device}.yaml", "given": {**given, "device": device}})["text"]
+        assert "plc:" in text
+        assert not [line for line in text.splitlines() if line.startswith("#") and "plcgen " in line]
+
+
 def test_a_fault_by_hand_delays_the_job(folder: Path, server: Server) -> None:
     """The drive is busy five times more: the job needs more scans than without, and ends well. A wrong word is told."""
     took = []

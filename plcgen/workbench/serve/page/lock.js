@@ -19,7 +19,7 @@ export async function lockView(desk, side, body, written) {
   };
   fill(side, h("div", { class: "row" }, h("b", {}, found.lock)));
   fill(body, h("p", { class: "quiet hint" }, word("lockHint")),
-    h("p", { id: "lock-state" }, h("b", { class: found.there && !moved && !found.problems.length ? "good" : "bad" }, word(!found.there ? "noLock" : moved ? "lockMoved" : found.problems.length ? "lockProblem" : "lockSame"))),
+    h("p", { id: "lock-state" }, h("b", { class: !found.there ? "" : !moved && !found.problems.length ? "good" : "bad" }, word(!found.there ? "noLock" : moved ? "lockMoved" : found.problems.length ? "lockProblem" : "lockSame"))),
     found.problems.map((one) => h("p", { class: "bad" }, `${one.code}: ${one.message}`, h("small", {}, ` ${one.help}`))),
     found.text ? h("pre", { class: "said" }, found.text) : null,
     h("button", { id: "relock", onclick: write }, word(found.there ? "lockAgain" : "lockWrite")));

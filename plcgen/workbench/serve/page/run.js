@@ -24,6 +24,7 @@ export function runTab(desk) {
   const setting = h("input", { id: "set", list: "members" });
   setting.setAttribute("list", "members");
   const faults = h("div", {});
+  const struck = h("div", { id: "struck" });
   const lanes = new Lanes((scan) => mark(scan));
   let state = null, going = false, timer = 0;
 
@@ -33,7 +34,7 @@ export function runTab(desk) {
     state = null;
     load.textContent = word("load");
     for (const one of [run, step, ten]) one.disabled = true;
-    for (const one of [where, jobs, partners, wire, decoded, faults]) fill(one);
+    for (const one of [where, jobs, partners, wire, decoded, faults, struck]) fill(one);
     for (const one of [hand, setting.form, driven]) one.hidden = true;
     fill(wire, h("p", { class: "quiet" }, word("loadFirst")));
     lanes.show([], 0);
@@ -42,7 +43,7 @@ export function runTab(desk) {
   function start(found) {
     state = { ...found, series: new Map(), known: [], contacts: [], on: new Map(found.jobs.map((one) => [one.key, false])) };
     fill(members, found.members.map((path) => option(path.replace(/"/g, ""))));
-    fill(faults, faultForm(found.faults, (given) => act(() => ask("strike", given)).then((done) => { if (done) fill(decoded, h("p", { class: "good", id: "struck" }, `${word("struck")}: ${given.kind}`)); })));
+    fill(faults, faultForm(found.faults, (given) => act(() => ask("strike", given))));
     for (const one of [hand, setting.form, driven]) one.hidden = false;
     setting.placeholder = found.members.length ? `${found.members[0].replace(/"/g, "")}=` : "";
     fill(decoded);
@@ -68,6 +69,8 @@ export function runTab(desk) {
     lanes.show(chosen(), found.scan, true);
     drawJobs(found);
     drawPartners(found.partners);
+    fill(struck, found.struck.map((one) => h("div", { class: "row" }, h("span", {}, `${one.text}${one.left === null ? "" : `, ${word("left")} ${one.left}`}`),
+      h("button", { class: "plain", title: word("withdraw"), "aria-label": `${word("withdraw")}: ${one.text}`, onclick: () => act(() => ask("withdraw", { number: one.number })) }, "\u00d7"))));
     drawWire();
   }
 
@@ -186,7 +189,7 @@ export function runTab(desk) {
       h("div", { class: "running" },
         h("div", { class: "side" }, h("h3", {}, word("jobs"), h("small", {}, " execute")), jobs,
           h("form", { class: "one", hidden: true, title: word("setHint"), onsubmit: send(setting, "put") }, setting, h("button", {}, word("set"))), members,
-          driven, partners, hand, faults),
+          driven, partners, hand, struck, faults),
         h("div", { class: "middle" }, lanes.box, h("div", { class: "below" }, h("div", {}, h("h3", {}, word("exchanges")), wire), decoded)))),
     shown() { lanes.size(); },
     cleared,
