@@ -102,7 +102,7 @@ def panel(made: Made) -> dict[str, Any]:
         {"name": name, "tags": [tag._asdict() for tag in tags]}
         for name, tags in tags_of(made.project, sources(made)).items()
     ]
-    return {"blocks": blocks, "flags": list(_flags(made))}
+    return {"blocks": blocks, "flags": list(_flags(made)), "jobs": [job.member for job in made.project.jobs]}
 
 
 def listed(made: Made, spec: Path) -> list[dict[str, Any]]:

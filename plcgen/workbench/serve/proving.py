@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -22,6 +23,12 @@ from plcgen.report.review.model import ReviewRequest
 from plcgen.workbench.serve.becomes import Made
 from plcgen.workbench.serve.working import Progress
 
+_ON_THE_PAGE = (
+    (re.compile(r"generate again with --force"), "overwrite it with Write files"),
+    (re.compile(r"run plcgen generate( once more| first)?"), "write the files: button Write files"),
+    (re.compile(r"only with --oracle tshark"), "Wireshark decodes telegrams from the command line only"),
+)
+"""Commands and options of the command line, and what does the same here."""
 Origin = Literal["made", "disk"]
 
 
@@ -45,12 +52,23 @@ class Typed(NamedTuple):
         return self.text if path == self.path else from_disk(path, file)
 
 
+def on_the_page(text: str) -> str:
+    """A remedy with the buttons of the page in place of commands."""
+    for command, button in _ON_THE_PAGE:
+        text = command.sub(button, text)
+    return text
+
+
 def verified(spec: Typed, folder: Path, faults: Faults, progress: Progress) -> dict[str, Any]:
     """Verify, and name the scenarios of each check that failed."""
     found = verify(Asked(spec.path, folder, faults=faults, read=spec.read), progress)
     data = verification_data(found)
+    data["diagnostics"] = [{**one, "help": on_the_page(one["help"])} for one in data["diagnostics"]]
     for group, shown in zip(found.groups, data["groups"], strict=True):
         for check, row in zip(group.checks, shown["checks"], strict=True):
+            row["verdict"] = on_the_page(row["verdict"])
+            if row["diagnostic"]:
+                row["diagnostic"] = {**row["diagnostic"], "help": on_the_page(row["diagnostic"]["help"])}
             row["failed"] = [trial.scenario for trial in check.trials if not trial.ok]
             row["runs"] = check.outcome is Outcome.ERROR and check.id.partition(".")[0] in {"run", "faults", "together"}
             row["tried"] = len(check.trials)

@@ -193,7 +193,7 @@ def test_a_run_is_watched_and_changed(browser: Page) -> None:
     browser.fill("#fault-kind", "error")
     browser.evaluate("document.querySelectorAll('.fault-keys input')[0].value = '16#11'")
     browser.click("#inject")
-    browser.sees("#struck", "error")
+    browser.sees("#struck", "error: ")
     browser.click('[data-job="set_ramps"]')  # off, then on again: with the ramp that was typed
     browser.wait("document.querySelector('[data-job=set_ramps]').getAttribute('aria-pressed') === 'false'")
     browser.click('[data-job="set_ramps"]')

@@ -356,6 +356,25 @@ def test_a_new_spec_names_no_commands_of_a_shell(server: Server) -> None:
         assert not [line for line in text.splitlines() if line.startswith("#") and "plcgen " in line]
 
 
+def test_verification_of_an_edited_file_names_buttons_not_commands(folder: Path, server: Server) -> None:
+    """The edit of the file on disk is an error there; how to go on is told for the page."""
+    asked = now(folder, FAQ)
+    server.told("write", {**asked, "known": server.told("read", {"name": FAQ})["known"]})
+    (source,) = (folder / "s7-300_6ra80_dp_tia_generated").glob("*.scl")
+    source.write_bytes(source.read_bytes().replace(b"B#16#", b"B#16#0", 1) + b"// mine\r\n")
+    server.told("verify", {**asked, "origin": "disk", "faults": "none"})
+    found = done(server)["result"]
+    said = json.dumps(found["groups"]) + json.dumps(found["diagnostics"])
+    assert not found["ok"]
+    assert "Write files" in said
+    assert not [command for command in ("--force", "run plcgen", "--oracle") if command in said]
+
+
+def test_a_panel_begins_with_the_jobs(folder: Path, server: Server) -> None:
+    """Their names as the data block has them; what a unit or a gate has is internal."""
+    assert server.told("tags", now(folder, PUMP))["jobs"] == ["setRamps", "readSpeed", "readFaults"]
+
+
 def test_a_fault_by_hand_delays_the_job(folder: Path, server: Server) -> None:
     """The drive is busy five times more: the job needs more scans than without, and ends well. A wrong word is told."""
     took = []

@@ -10,7 +10,8 @@ export async function panelView(desk, side, body) {
   if (!found) return;
   const tags = [...found.flags, ...found.blocks.flatMap((one) => one.tags)];
   const group = (one) => (one.symbolic.startsWith('"') ? one.symbolic.split(".").slice(0, 2).join(".") : word("flag"));
-  const groups = [...new Set(tags.map(group))];
+  const last = (one) => one.split(".").at(-1), mine = (one) => found.jobs.some((job) => last(job) === last(one));
+  const all = [...new Set(tags.map(group))], groups = [...all.filter(mine), ...all.filter((one) => !mine(one))];  // jobs first: what drives and gates have is internal
   const rows = h("div", {});
   const show = (chosen) => {
     for (const one of side.querySelectorAll("button")) one.setAttribute("aria-pressed", one.dataset.key === chosen ? "true" : "false");
@@ -18,7 +19,7 @@ export async function panelView(desk, side, body) {
       tags.filter((one) => chosen === "" || group(one) === chosen).slice(0, MOST).map((one) => h("tr", {}, h("td", {}, h("b", {}, one.symbolic.split(".").flatMap((part, place) => (place ? [".", h("wbr"), part] : [part])))),
         h("td", { class: "hex" }, one.absolute), h("td", {}, one.type), h("td", {}, one.comment))), "dense"));
   };
-  fill(side, ["", ...groups].map((key) => h("button", { class: "row", "data-key": key, onclick: () => show(key) }, h("b", {}, key.split(".").at(-1) || word("all")))));
+  fill(side, ["", ...groups].map((key) => h("button", { class: "row", "data-key": key, onclick: () => show(key) }, h("b", {}, last(key) || word("all")))));
   const tick = (name, value, on) => h("label", {}, h("input", { type: "checkbox", name, value, checked: on }), ` ${value} `);
   const send = (event) => {
     event.preventDefault();

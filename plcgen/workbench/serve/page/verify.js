@@ -54,7 +54,8 @@ export function verifyTab(desk, source) {
     const outcomes = Object.entries(found.summary).map(([name, count]) => h("span", { class: `chip o-${name}` }, `${count} ${word(`o_${name}`)}`));
     const left = found.groups.flatMap((group) => group.checks).filter((one) => one.outcome === "not run");
     const problems = found.diagnostics.filter((one) => one.severity !== "note");
-    fill(body, h("p", { class: "verdict" }, h("b", { class: found.ok ? "good" : "bad" }, found.ok ? "\u2713 ok" : "\u2717"), " ", `${[found.project, found.target].filter(Boolean).join(", ")} `, outcomes),
+    fill(body, h("p", { class: "verdict" }, h("b", { class: found.ok ? "good" : "bad" }, found.ok ? "\u2713 ok" : `\u2717 ${word("o_error")}`), " ", `${[found.project, found.target].filter(Boolean).join(", ")} `, outcomes),
+      h("p", { class: "quiet", id: "verified-files" }, word(asked.origin === "made" ? "madeOnly" : "diskOnly")),
       left.length ? h("details", { id: "left-out" }, h("summary", {}, `${left.length} ${word("o_not_run")}: ${word("notRun")}`),
         h("ul", {}, left.map((one) => h("li", {}, h("b", {}, one.subject), ` ${one.text} `, h("span", { class: "quiet" }, one.verdict === "not asked for" ? word("notAsked") : one.verdict))))) : null,
       problems.map((one) => h("p", { class: one.severity === "error" ? "bad" : "" }, `${one.code}: ${one.message}`, h("small", {}, ` ${one.help}`))),
@@ -74,7 +75,7 @@ export function verifyTab(desk, source) {
     };
     const button = (scenario) => h("button", { class: "open-run", onclick: () => opened(scenario) }, `${word("openRun")}${scenario ? `: ${scenario}` : ""}`);
     return h("tr", { class: one.outcome === "error" ? "danger" : "" }, h("td", {}, one.subject),
-      h("td", {}, one.text, one.diagnostic ? h("div", { class: "bad" }, `${one.diagnostic.code}: ${one.diagnostic.message}`, h("small", {}, ` ${one.diagnostic.help}`)) : null,
+      h("td", {}, one.text, one.diagnostic ? h("div", { class: "bad" }, `${one.diagnostic.code}: `, differing(one.diagnostic.message), h("small", {}, ` ${one.diagnostic.help}`)) : null,
         one.runs ? h("div", {}, (one.failed.length ? one.failed : [""]).map(button), room) : null,
         one.outcome === "error" && one.diagnostic?.line && /\.(scl|udt|db|awl)$/i.test(one.diagnostic.file)
           ? h("button", { class: "open-line", onclick: () => source(one.diagnostic.file, one.diagnostic.line) }, `${word("openLine")} ${one.diagnostic.line}`) : null),
@@ -86,6 +87,16 @@ export function verifyTab(desk, source) {
     content: h("div", { class: "stack" }, h("div", { class: "bar views" }, field(word("source"), origin), field(word("effort"), effort), start, cancel, bar, told), body),
     cleared() { empty(); fill(told); },
   };
+}
+
+// Of two rows of bytes in a message those that differ are marked.
+function differing(text) {
+  const rows = [...text.matchAll(/[0-9A-F]{2}(?: [0-9A-F]{2})+/gi)];
+  if (rows.length !== 2) return text;
+  const [one, two] = rows.map((row) => row[0].split(" "));
+  const shown = (row, other) => row.map((byte, at) => (byte === other[at] ? `${byte} ` : [h("span", { class: "marked" }, byte), " "]));
+  const end = (row) => row.index + row[0].length;
+  return [text.slice(0, rows[0].index), shown(one, two), text.slice(end(rows[0]), rows[1].index), shown(two, one), text.slice(end(rows[1]))];
 }
 
 function replayed(found) {

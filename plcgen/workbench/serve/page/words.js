@@ -77,6 +77,8 @@ const WORDS = {
     "Die Prüfung übersetzt die Dateien, führt jeden Auftrag gegen simulierte Antriebe und Stationen aus und vergleicht, was gesendet wird, mit der Spec. Grundlage ist der Text im Editor; geschrieben wird nichts."],
   reviewHint: ["One page with everything that a reviewer must see, to be signed. With a git revision, folder or spec in the field above it says what has changed.",
     "Eine Seite mit allem, was ein Prüfer sehen muss, zum Unterschreiben. Mit Git-Revision, Ordner oder Spec im Feld oben sagt sie, was sich geändert hat."],
+  madeOnly: ["Verified: the files as the spec makes them now. What lies on disk was not looked at; choose it above.", "Geprüft: die Dateien, wie die Spec sie jetzt macht. Was auf der Platte liegt, wurde nicht angesehen; oben wählbar."],
+  diskOnly: ["Verified: the files as they lie on disk.", "Geprüft: die Dateien, wie sie auf der Platte liegen."],
   openLine: ["Open line", "Zeile öffnen"], notAgain: ["alone, on a CPU of its own, it does not fail", "allein, auf einer eigenen CPU, schlägt es nicht fehl"],
   not_started: ["not started", "nicht gestartet"], done: ["done", "fertig"], error: ["error", "Fehler"],
   openRun: ["Open run", "Lauf öffnen"], cancelled: ["cancelled", "abgebrochen"], ledger: ["What the result rests on", "Worauf das Ergebnis beruht"],
