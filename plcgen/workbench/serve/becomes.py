@@ -6,7 +6,7 @@ import csv
 import io
 import threading
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from plcgen.base.files.hashes import same_text
 from plcgen.build.environment import RenderedFile
 from plcgen.build.rendering import render_project
 from plcgen.build.writing import file_diff
+from plcgen.ds47.plan.nouns import DrivePlan
 from plcgen.project.nouns import Project
 from plcgen.report.review.collect import sheet_of
 from plcgen.report.review.data import sheet_data
@@ -98,8 +99,10 @@ def _placed(sheet: dict[str, Any], project: Project, blocks: Mapping[str, Sequen
 
 def panel(made: Made) -> dict[str, Any]:
     """What a panel needs: members of the data blocks by name and address, and the flags of jobs."""
+    plan = made.project.plan(DrivePlan)
+    drives = [job.member for job in plan.jobs] if plan else []
     blocks = [
-        {"name": name, "tags": [tag._asdict() for tag in tags]}
+        {"name": name, "tags": [{**tag._asdict(), "list": _text_list(tag, drives)} for tag in tags]}
         for name, tags in tags_of(made.project, sources(made)).items()
     ]
     return {"blocks": blocks, "flags": list(_flags(made)), "jobs": [job.member for job in made.project.jobs]}
@@ -128,6 +131,20 @@ def shown(made: Made, spec: Path, name: str) -> dict[str, Any] | None:
         "disk": _text(old, name) if state == "changed" and old is not None else "",
         "diff": "".join(file_diff(file, old)) if state == "changed" else "",
     }
+
+
+_LISTS = {"status": "DriveJobStatus", "recordStatus": "DriveRecordStatus", "errors": "DriveJobErrors"}
+"""Text lists by the members of a drive job that they are for: docs/hmi.md."""
+
+
+def _text_list(tag: PanelTag, drives: Collection[str]) -> str:
+    """The text list that a field with this tag shows; "" for none."""
+    _, job, *members = *tag.symbolic.split("."), "", ""
+    return (
+        _LISTS.get(next((part for part in reversed(members) if part), "").partition("[")[0], "")
+        if job in drives
+        else ""
+    )
 
 
 def _flags(made: Made) -> Iterator[dict[str, str]]:

@@ -371,8 +371,14 @@ def test_verification_of_an_edited_file_names_buttons_not_commands(folder: Path,
 
 
 def test_a_panel_begins_with_the_jobs(folder: Path, server: Server) -> None:
-    """Their names as the data block has them; what a unit or a gate has is internal."""
-    assert server.told("tags", now(folder, PUMP))["jobs"] == ["setRamps", "readSpeed", "readFaults"]
+    """Their names as the data block has them, and the text lists of docs/hmi.md at the members they are for."""
+    found = server.told("tags", now(folder, PUMP))
+    assert found["jobs"] == ["setRamps", "readSpeed", "readFaults"]
+    lists = {tag["symbolic"]: tag["list"] for block in found["blocks"] for tag in block["tags"]}
+    assert lists['"DriveJobs".setRamps.status'] == "DriveJobStatus"
+    assert lists['"DriveJobs".setRamps.diagnosis.recordStatus'] == "DriveRecordStatus"
+    assert lists['"DriveJobs".setRamps.diagnosis.errors[2]'] == "DriveJobErrors"
+    assert {name for name, one in lists.items() if one and ".status" not in name and ".diagnosis." not in name} == set()
 
 
 def test_a_fault_by_hand_delays_the_job(folder: Path, server: Server) -> None:

@@ -17,7 +17,7 @@ export async function panelView(desk, side, body) {
     for (const one of side.querySelectorAll("button")) one.setAttribute("aria-pressed", one.dataset.key === chosen ? "true" : "false");
     fill(rows, table(["tagName", "address", "type", "meaning"].map((key) => word(key)),
       tags.filter((one) => chosen === "" || group(one) === chosen).slice(0, MOST).map((one) => h("tr", {}, h("td", {}, h("b", {}, one.symbolic.split(".").flatMap((part, place) => (place ? [".", h("wbr"), part] : [part])))),
-        h("td", { class: "hex" }, one.absolute), h("td", {}, one.type), h("td", {}, one.comment))), "dense"));
+        h("td", { class: "hex" }, one.absolute), h("td", {}, one.type), h("td", {}, one.comment, one.list ? h("small", { class: "quiet" }, ` ${word("textList")} ${one.list}`) : null))), "dense"));
   };
   fill(side, ["", ...groups].map((key) => h("button", { class: "row", "data-key": key, onclick: () => show(key) }, h("b", {}, last(key) || word("all")))));
   const tick = (name, value, on) => h("label", {}, h("input", { type: "checkbox", name, value, checked: on }), ` ${value} `);

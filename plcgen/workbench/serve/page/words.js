@@ -45,7 +45,7 @@ const WORDS = {
   all: ["all", "alle"], tagName: ["Name", "Name"], type: ["Type", "Typ"],
   panelHint: ["Connect a tag by its name: the data blocks have standard access, so that the address works as well, as long as the data block has this number (SimaticML files carry it; look it up after an import of the text source). execute starts a job with a rising edge.",
     "Variable über den Namen anbinden: Die Datenbausteine haben Standardzugriff, daher geht auch die Adresse, solange der Baustein diese Nummer hat (SimaticML-Dateien bringen sie mit; nach Import der Textquelle nachsehen). execute startet den Auftrag mit steigender Flanke."],
-  textLists: ["Text lists", "Textlisten"],
+  textList: ["text list", "Textliste"], textLists: ["Text lists", "Textlisten"],
   textsHint: ["status, errors, faults and alarms of the drives; xlsx for the editor of text lists, xml for Openness",
     "Status, Fehler, Störungen und Warnungen der Antriebe; xlsx für den Textlisten-Editor, xml für Openness"],
   lockHint: ["A lock holds where every member of the blocks is. Written once and kept with the project, it shows what a later change of the spec moves for panels and other programs.",
