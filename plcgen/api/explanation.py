@@ -15,6 +15,9 @@ from plcgen.project.registry import protocols
 _NUMBER = re.compile(r"(?:(?:B|W|DW|BYTE|WORD|DWORD)#)?(?:16#|0x|\$)?([0-9a-f_]{1,10})(h?)\Z", re.IGNORECASE)
 _OF_DRIVES = re.compile(r"(?![AFC][0-9]{3}\Z)[FANCPR] *[0-9]|[0-9]{5}\Z", re.IGNORECASE)
 """What may be a message or a parameter: four hexadecimal digits are a word."""
+_BLOCK = re.compile(r"(DB|FB|FC) ?([0-9]{1,5})\Z", re.IGNORECASE)
+"""Hexadecimal digits, too, but everybody who writes ``DB47`` means the block."""
+_FOUR = re.compile(r"[0-9]{4}\Z")
 _CODE = re.compile(r"PG[0-9]{3}\Z", re.IGNORECASE)
 
 
@@ -39,13 +42,36 @@ def explain_page(key: str, device: str = "") -> Page | None:
     term = term_page(text)
     if term is not None:
         return term
+    block = _BLOCK.match(text)
+    if block is not None:
+        return _block_page(block[1].upper(), int(block[2]))
     match = _NUMBER.match(text)
     digits = match[1].replace("_", "") if match else ""
     pages = [page for protocol in protocols() if match and (page := protocol.explain(digits)) is not None]
     if not pages:
         return None
     sections = tuple(section for page in pages for section in page.sections)
+    sections += _as_message(text, device)
     return dataclasses.replace(pages[0], sections=sections)
+
+
+def _block_page(kind: str, number: int) -> Page:
+    """A block by its number, which is no number of a drive."""
+    here = "automatic numbers of generated blocks begin where numbers: of the spec says (docs/spec.md)"
+    sections = [("Here", f"{here}; plcgen layout lists what is in a DB")]
+    if number == 47:
+        sections.append(("Not to be confused", "data record 47 of a drive, the parameter channel: plcgen explain DS47"))
+    elif kind != "FC":
+        sections.append(("Not to be confused", f"a word of a STATUS: plcgen explain 16#{kind}{number}"))
+    return Page(f"{kind}{number}", "a block of the PLC program", tuple(sections))
+
+
+def _as_message(text: str, device: str) -> tuple[tuple[str, str], ...]:
+    """Four digits are the number of a message, too, if its first digit is left out: 7901 of F07901."""
+    from plcgen.ds47.lookup import message_page
+
+    page = message_page(f"0{text}", device) if _FOUR.match(text) else None
+    return () if page is None else (("As a message of a drive", f"{page.key}: {page.title}; plcgen explain 0{text}"),)
 
 
 def _diagnostic(code: str) -> Page | None:

@@ -58,11 +58,13 @@ def _unknown(key: str) -> None:
     from plcgen.api.explanation import known_keys
     from plcgen.base.diagnostics.suggest import did_you_mean
     from plcgen.base.display.cells import clean
+    from plcgen.base.page_search import best_pages
 
     error_line(
         f'"{clean(key)[:60]}" is not a plcgen code, an error number, a status word, a message or a parameter', "PG703"
     )
-    help_line(did_you_mean(key, known_keys()) or "plcgen explain --list")
+    pages = ", ".join(f"plcgen docs {name}" for name, _ in best_pages(key))
+    help_line(did_you_mean(key, known_keys()) or pages or "plcgen explain --list")
 
 
 def _list() -> Answer:

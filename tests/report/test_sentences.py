@@ -55,6 +55,20 @@ def test_one_parameter_more_is_one_sentence(added: Comparison) -> None:
     assert first.span.line == 24
 
 
+def test_a_moved_address_is_breaking_in_the_sentence_too(tmp_path: Path) -> None:
+    """A compatible change of a job (a value of a constant) does not hide that its addresses are others: a panel with
+    absolute addresses reads other bytes, and the table below has member-moved as breaking.
+    """
+    new = PLANT.replace("[r21, r27]", "[r21, r27, r26]").replace("P1120: 5.0", "P1120: 6.0")
+    found = compared(tmp_path, PLANT, new)
+    kinds = {change.kind: change.level.value for change in found.changes}
+    assert (kinds["telegram-value"], kinds["member-moved"]) == ("compatible", "breaking")
+    ramps = next(one for one in found.sentences if one.job == "ramps")
+    assert ramps.text.startswith("P1120 5.0 -> 6.0; ")
+    assert ramps.text.endswith("more addresses: a panel with absolute addresses reads other bytes")
+    assert ramps.level.value == "breaking"
+
+
 def test_the_text_is_short_and_the_engine_closed(added: Comparison) -> None:
     """At most 60 lines, the sentences first; what follows inside of blocks is named, --verbose has it."""
     lines = shown("text", added).splitlines()

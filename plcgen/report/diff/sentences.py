@@ -23,7 +23,9 @@ def sentences(old: Snapshot, new: Snapshot, changes: Sequence[Change]) -> tuple[
     for change in changes:
         worst = levels.get(change.subject, change.level)
         levels[change.subject] = min(worst, change.level, key=lambda level: level.rank)
-    teller = _Teller(old, new, levels)
+    moves = [change.level for change in changes if change.kind == "member-moved"]
+    moved = min(moves, key=lambda level: level.rank, default=Level.BREAKING)
+    teller = _Teller(old, new, levels, moved)
     return tuple(_merged(teller.told()))
 
 
@@ -41,8 +43,8 @@ def _merged(found: Iterator[Sentence]) -> Iterator[Sentence]:
 class _Teller:
     """Tells of one pair of states."""
 
-    def __init__(self, old: Snapshot, new: Snapshot, levels: dict[str, Level]) -> None:
-        self.old, self.new, self.levels = old, new, levels
+    def __init__(self, old: Snapshot, new: Snapshot, levels: dict[str, Level], moves: Level) -> None:
+        self.old, self.new, self.levels, self.moves = old, new, levels, moves
         self.before, self.after = (
             {block.name: block for block in side.blocks if block.kind == "DB"} for side in (old, new)
         )
@@ -63,14 +65,13 @@ class _Teller:
             if not parts and f"job {key}" in self.levels:
                 parts = ["its telegrams have changed"]
             if parts:
-                yield Sentence(name, self.level(key), "; ".join(parts), (new.drive,), new.span)
+                levels = [self.level(key), *([self.moves] if name in moved else [])]
+                level = min(levels, key=lambda level: level.rank)
+                yield Sentence(name, level, "; ".join(parts), (new.drive,), new.span)
 
     def level(self, key: str) -> Level:
-        """The worst class of what is told of a job; what only moves is breaking if its block says so."""
-        own = self.levels.get(f"job {key}")
-        if own is not None:
-            return own
-        return Level.BREAKING
+        """The class of what is different about a job itself."""
+        return self.levels.get(f"job {key}", self.moves)
 
     def addresses(self, before: dict[str, JobState], after: dict[str, JobState]) -> dict[str, str]:
         """By group: which addresses of its signals and values are others, where a data block has any."""
@@ -89,7 +90,7 @@ class _Teller:
         for group, told in moves.items():
             more = f" and {len(told) - _MOVED} more addresses" if len(told) > _MOVED else ""
             if told:
-                found[group] = f"{', '.join(told[:_MOVED])}{more}"
+                found[group] = f"{', '.join(told[:_MOVED])}{more}: a panel with absolute addresses reads other bytes"
         return found
 
 

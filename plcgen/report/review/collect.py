@@ -83,6 +83,7 @@ def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress 
         runs=runs,
         excerpts=tuple(excerpts(sources_of(request.folder), sheet.exchanges)),
         missing=tuple(missing),
+        planned=project is not None,
     )
 
 

@@ -10,7 +10,7 @@ from plcgen.base.display.markdown import code_span, escape
 from plcgen.base.display.table import markdown_table
 from plcgen.report.review.grid import matrix
 from plcgen.report.review.model import Review
-from plcgen.report.review.page import outcomes, verdict, write_rows
+from plcgen.report.review.page import compared, lock_reason, no_writes, outcomes, verdict, write_rows
 from plcgen.report.review.timeline import time_line
 from plcgen.s7.compare.model import Comparison
 from plcgen.s7.tables.tables import BlockTable
@@ -72,10 +72,10 @@ def _parts(review: Review) -> Iterator[_Part]:
     """Every part, the important first."""
     yield _head(review)
     for title, found in review.changes:
-        yield _changes(f"Changes: {title}", found)
+        yield _changes(f"Changes: {title}", found, planned=review.planned)
     yield _Part("What is wrong or worth a look", (), [_problem(review, n) for n in range(len(review.problems))])
     if review.lock is not None:
-        yield _changes("The layout lock against the sources", review.lock)
+        yield _changes("The layout lock against the sources", review.lock, planned=review.planned)
     yield _writes(review)
     missing = [f"- {escape(check.subject)}: {escape(check.verdict)}" for check in review.not_run]
     yield _Part("Not run, not there", (), [*missing, *(f"- {escape(text)}" for text in review.missing)])
@@ -109,6 +109,8 @@ def _head(review: Review) -> _Part:
         f"- spec {code_span(review.spec)}{_included(review)}, SHA-256 `{review.spec_hash or 'unknown'}`",
         f"- {len(review.files)} files in {code_span(review.folder)}, over the list `{review.files_hash or 'unknown'}`",
     ]
+    if reason := lock_reason(review):
+        lines.insert(1, f"\n- {escape(reason)}")
     return _Part(f"Review of {escape(review.project or review.spec)}", lines, ())
 
 
@@ -118,8 +120,8 @@ def _problem(review: Review, number: int) -> str:
     return f"- **{problem.severity.label} {problem.code}** {escape(problem.message)}{place}"
 
 
-def _changes(title: str, found: Comparison) -> _Part:
-    counts = found.counts or "no differences"
+def _changes(title: str, found: Comparison, *, planned: bool) -> _Part:
+    counts = compared(found, planned=planned)
     rows = [
         (f"{_MARK[c.level.value]} {c.level.value}", subject, c.text[:_CELL], c.kind)
         for subject, changes in found.folded()
@@ -145,7 +147,7 @@ def _writes(review: Review) -> _Part:
         rows.append((row["job"], on, what, row["value"], limits, row["trigger"], row["memory"]))
     header = ("job", "on", "parameter", "value", "limits, unit", "who triggers", "ends up in")
     table = markdown_table(header, rows) if rows else []
-    return _Part("Write list", table[:2] or ["These blocks write nothing to a partner."], table[2:])
+    return _Part("Write list", table[:2] or [no_writes(review)], table[2:])
 
 
 def _instances(review: Review) -> tuple[list[str], list[str]]:

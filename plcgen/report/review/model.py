@@ -92,7 +92,7 @@ class Review:
 
     ``spec_hash`` covers the files that the spec has ``included``; ``base`` names what was compared with, empty if
     nothing was; ``changes`` are comparisons, each with a title; ``lock`` is the comparison of the lock with the
-    sources; ``missing`` are sentences about what is not there.
+    sources; ``missing`` are sentences about what is not there; ``planned`` is whether the spec could be planned.
     """
 
     spec: str
@@ -112,6 +112,7 @@ class Review:
     runs: tuple[RecordedRun, ...]
     excerpts: tuple[Excerpt, ...]
     missing: tuple[str, ...]
+    planned: bool = True
 
     @property
     def problems(self) -> tuple[Diagnostic, ...]:

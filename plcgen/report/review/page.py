@@ -17,6 +17,8 @@ from plcgen.report.review.timeline import time_line
 from plcgen.s7.compare.model import Change, Comparison
 from plcgen.s7.tables.pictures import views
 
+_SUBJECTS = 3
+"""So many blocks that differ from the lock are named in the verdict."""
 MAX_EXCHANGES = 60
 """Telegrams that are drawn byte by byte; ``layout`` has them all."""
 MAX_LAYOUTS = 120
@@ -48,9 +50,13 @@ def page_view(review: Review, script: str) -> dict[str, Any]:
         "problems": [_problem(problem) for problem in review.problems],
         "files": [(clean(f.path), f.bytes, f.sha256, clean(f.experimental)) for f in review.files[:MAX_FILES]],
         "more_files": max(0, len(review.files) - MAX_FILES),
-        "changes": [_comparison(title, found) for title, found in review.changes],
-        "lock": _comparison("the layout lock against the sources", review.lock) if review.lock is not None else None,
+        "changes": [_comparison(title, found, planned=review.planned) for title, found in review.changes],
+        "lock": _comparison("the layout lock against the sources", review.lock, planned=review.planned)
+        if review.lock is not None
+        else None,
         "writes": list(write_rows(review)),
+        "no_writes": no_writes(review),
+        "lock_reason": clean(lock_reason(review)),
         "instances": [tuple(map(clean, (i.job, i.partner, i.address, i.trigger))) for i in review.sheet.instances],
         "exchanges": [_exchange(review, n, one) for n, one in enumerate(review.sheet.exchanges[:MAX_EXCHANGES], 1)],
         "more_exchanges": max(0, len(review.sheet.exchanges) - MAX_EXCHANGES),
@@ -76,6 +82,31 @@ def verdict(review: Review) -> str:
     return f"in order as far as it was run, {left} not run" if left else "in order"
 
 
+def no_writes(review: Review) -> str:
+    """What an empty write list says: nothing is known of a spec that cannot be planned."""
+    if review.planned:
+        return "These blocks write nothing to a partner."
+    return "Not known: the spec has errors."
+
+
+def compared(found: Comparison, *, planned: bool = True) -> str:
+    """How many changes of which class; that there are none is known only if both sides, and the spec, can be read."""
+    if not planned:
+        return found.counts or "not known: the spec has errors"
+    return found.counts or ("no differences" if found.readable else "not known: there are errors")
+
+
+def lock_reason(review: Review) -> str:
+    """Why a lock makes the verdict what it is, and where it differs; empty if it does not."""
+    if review.lock is None or not review.lock.changes:
+        return ""
+    subjects = list(dict.fromkeys(change.subject for change in review.lock.changes))
+    more = f" and {len(subjects) - _SUBJECTS} more" if len(subjects) > _SUBJECTS else ""
+    where = f"{', '.join(subjects[:_SUBJECTS])}{more}"
+    old = review.lock.old
+    return f"the lock {old} differs from the sources ({review.lock.counts}): {where}; if meant, plcgen lock"
+
+
 def outcomes(review: Review) -> list[tuple[str, int]]:
     """How many checks had which outcome, those that did not occur left out."""
     return [(outcome.value, count) for outcome in Outcome if (count := review.count(outcome))]
@@ -89,13 +120,13 @@ def _problem(problem: Diagnostic) -> dict[str, str]:
     }  # fmt: skip
 
 
-def _comparison(title: str, found: Comparison) -> dict[str, Any]:
+def _comparison(title: str, found: Comparison, *, planned: bool) -> dict[str, Any]:
     rows = [_change(subject, change) for subject, changes in found.folded() for change in changes]
     return {
         "title": title,
         "old": clean(found.old),
         "new": clean(found.new),
-        "counts": found.counts or "no differences",
+        "counts": compared(found, planned=planned),
         "readable": found.readable,
         "problems": [_problem(problem) for problem in found.diagnostics],
         "sentences": [(one.level.value, clean(one.who), clean(one.text)) for one in found.sentences],

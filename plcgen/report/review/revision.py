@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from plcgen.base.files.files import YAML_SUFFIXES
+from plcgen.base.files.options import usage
 from plcgen.report.revision import fetched, top_of
 
 
@@ -38,6 +39,9 @@ def base_files(against: str, spec: Path, folder: Path, lock: Path | None) -> Ite
         with tempfile.TemporaryDirectory(prefix="plcgen-base-") as room:
             asked = [path for path in (spec, folder, lock) if path is not None]
             top = top_of(f"--against {against}", spec, against)
+            if lock is not None and not lock.resolve().is_relative_to(top):
+                help_ = f"leave --lock out, and compare with it alone: plcgen lock --check --out {lock.as_posix()} SPEC"
+                raise usage(f"--lock {lock.as_posix()}", f"it is outside the repository of the spec, {top}", help_)
             label, found = fetched("--against", against, asked, Path(room), top)
             there = _existing(found[0], found[1], found[2] if lock else Path(room, ".no-lock"))
             yield BaseFiles(label, f"{Path(room).as_posix()}/", *there)

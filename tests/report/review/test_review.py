@@ -277,6 +277,40 @@ def test_a_spec_that_is_not_there_makes_a_page_too(tmp_path):
     assert ":x:" in show("markdown", review)
 
 
+def test_nothing_is_said_of_a_spec_with_errors(repository):
+    """A family that does not exist: what the blocks write is not known, so no text says that they write nothing."""
+    spec = repository / "job.yaml"
+    spec.write_text(spec.read_text("utf-8").replace("family: s7", "family: s7-14.0 # s7", 1), "utf-8")
+    review = api.review(spec, repository / "plc", against="HEAD", faults="none")
+    for text in (show("html", review), show("markdown", review)):
+        assert "write nothing" not in text
+        assert "Not known: the spec has errors." in text
+        assert "no differences" not in text
+
+
+def test_the_verdict_names_a_lock_that_differs(repository):
+    """Start value 100.0 of WR_DataBuffer_1 in the lock, 50.0 in the sources: the verdict says so, and where."""
+    review = api.review(repository / "job.yaml", repository / "plc", faults="none")
+    page, text = re.sub("<wbr>", "", show("html", review)), show("markdown", review)
+    section = re.search(r'<section id="verdict">(.*?)</section>', page, re.DOTALL)[1]
+    for shown in (section, text.partition("### ")[2].partition("### ")[0]):
+        assert "differs from the sources" in shown
+        assert "plcgen.lock.json" in shown
+        assert "WR_DataBuffer_1" in shown.replace("\\", "")
+
+
+def test_a_lock_outside_of_the_repository_is_named(repository, tmp_path_factory):
+    """Not --against, which is right, but --lock is what git does not have."""
+    old = tmp_path_factory.mktemp("elsewhere") / "old.lock.json"
+    shutil.copy(repository / "plcgen.lock.json", old)
+    with pytest.raises(DiagnosticError) as problem:
+        api.review(repository / "job.yaml", repository / "plc", against="HEAD", lock=old, faults="none")
+    (found,) = problem.value.diagnostics
+    assert (found.code, found.span.file) == ("PG901", f"--lock {old.as_posix()}")
+    assert "outside the repository" in found.message
+    assert "plcgen lock --check" in found.help
+
+
 @pytest.mark.slow
 def test_the_page_is_the_same_every_time():
     assert show("html", faq_review()) == show("html", api.review(FAQ, generated_example(FAQ.stem), faults="none"))
