@@ -10,6 +10,8 @@ from plcgen import api
 from plcgen.base.diagnostics import DiagnosticError
 from plcgen.ds47.devices import device_names, find_device
 from plcgen.ds47.registry import kinds
+from plcgen.workbench.serve.spec import outline
+from plcgen.workbench.serve.starting import new_spec
 from plcgen.workbench.service.specs.form import put_in
 from plcgen.workbench.service.specs.jobs import JobOffer, job_offers
 from tests.workbench.desk import Desk, edited
@@ -168,6 +170,75 @@ def test_recipes_and_stations_are_specs(desk: Desk) -> None:
         assert not one.lacks
         text = made(desk, text, "job", key=f"tank_{kind}", station="line/tank", kind=kind)
     assert errors(text, desk.folder) == []
+
+
+@pytest.mark.parametrize(
+    ("path", "old", "new"),
+    [
+        ("jobs/speed", "  speed: {drive: axis, read: [r21], cycle: 1s}\n", ""),
+        ("jobs/ramps", "  ramps:\n    drive: axis\n    write: {P1120: 5.0}  # s\n", ""),
+        ("drives/maker", "  maker: {device: profidrive, hardware_id: 271}\n", ""),
+        ("jobs/speed/cycle", ", cycle: 1s}", "}"),
+        ("jobs/speed/drive", "{drive: axis, read", "{read"),
+    ],
+)
+def test_what_is_removed(path: str, old: str, new: str, desk: Desk) -> None:
+    """An entry goes with its lines or its comma; everything else, comments among it, is as it was."""
+    assert PLANT.count(old) == 1
+    assert made(desk, PLANT, "remove", path=path) == PLANT.replace(old, new)
+
+
+def test_a_parameter_is_removed_but_not_the_only_one(desk: Desk) -> None:
+    """Of a list by its number, of a mapping by its key; comments below a job go with it, a blank line, too."""
+    text = PLANT.replace("[r21]", "[r21, r26, r27]").replace("{P1120: 5.0}", "{P1120: 5.0, P1121: }")
+    assert "read: [r21, r27]" in made(desk, text, "remove", path="jobs/speed/read/1")
+    assert "read: [r21, r26]" in made(desk, text, "remove", path="jobs/speed/read/2")
+    assert "write: {P1120: 5.0}  # s" in made(desk, text, "remove", path="jobs/ramps/write/P1121")
+    assert "write: {P1121: }  # s" in made(desk, text, "remove", path="jobs/ramps/write/P1120")
+    for path in ("jobs/speed/read/0", "jobs/ramps/write/P1120"):
+        with pytest.raises(DiagnosticError, match="no other parameter"):
+            made(desk, PLANT, "remove", path=path)
+    apart = PLANT.replace("  speed:", "    # more of it\n\n  speed:")
+    assert made(desk, apart, "remove", path="jobs/ramps") == apart.replace(
+        "  ramps:\n    drive: axis\n    write: {P1120: 5.0}  # s\n    # more of it\n", ""
+    )
+    assert made(desk, apart, "job", key="it", drive="axis", kind="acknowledge").endswith(
+        "cycle: 1s}\n\n  it: {drive: axis, acknowledge: true}\n# the end\n"
+    )
+
+
+def test_what_is_used_stays(desk: Desk) -> None:
+    """A drive that jobs name is not removed: the reason names them; nor is what stands nowhere."""
+    with pytest.raises(DiagnosticError, match='"axis" is used by ramps, speed'):
+        made(desk, PLANT, "remove", path="drives/axis")
+    with pytest.raises(DiagnosticError, match="there is no"):
+        made(desk, PLANT, "remove", path="jobs/nobody")
+    text = made(desk, PLANT, "station", key="well")
+    with pytest.raises(DiagnosticError, match='"well" is used by read_well'):
+        made(desk, text, "remove", path="ppi/line/stations/well")
+
+
+def test_what_the_form_shows(desk: Desk) -> None:
+    """What each job does, its parameters, and a free address for the next drive."""
+    document, _, _ = desk.open(PLANT)
+    shown = outline(desk.workspace.specs.state(document))
+    assert shown["next_address"] == "272"
+    assert [(one["key"], one["does"]) for one in shown["jobs"]] == [("ramps", ["write"]), ("speed", ["read"])]
+    assert [one["label"] for job in shown["jobs"] for one in job["parameters"]] == ["P1120", "r21"]
+    assert shown["jobs"][0]["place"] == [8, 2]
+
+
+def test_a_new_spec_has_the_jobs_that_were_chosen(desk: Desk) -> None:
+    """Those and no others; none at all is refused; a line of stations has the identifier of its port."""
+    given = {"device": "sinamics-s120", "family": "s7-1500", "toolchain": "tia-v19"}
+    text = new_spec("job.yaml", {**given, "jobs": "ramps"}, desk.folder)
+    assert errors(text, desk.folder) == []
+    assert "set_ramps:" in text
+    assert "read_faults:" not in text
+    for jobs in ("", "nothing"):
+        with pytest.raises(DiagnosticError, match="one job at least"):
+            new_spec("job.yaml", {**given, "jobs": jobs}, desk.folder)
+    assert "port: 283" in new_spec("job.yaml", {**given, "device": "ppi", "port": "283"}, desk.folder)
 
 
 def test_one_step_back(desk: Desk) -> None:

@@ -71,9 +71,9 @@ class Write(Save):
 
 
 class Change(Text):
-    """What the form adds."""
+    """What the form adds or removes."""
 
-    what: Literal["drive", "job", "parameter", "cycle", "recipe", "station"]
+    what: Literal["drive", "job", "parameter", "cycle", "recipe", "station", "remove"]
     given: dict[str, str] = Field(max_length=12)
 
 

@@ -7,6 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from plcgen.base.diagnostics import Diagnostic, Span
+from plcgen.ds47.registry import kinds as known_kinds
 from plcgen.workbench.serve.room import Room
 from plcgen.workbench.service.documents import Document as Opened
 from plcgen.workbench.service.positions import from_units, to_units
@@ -71,14 +72,21 @@ def caret(document: Opened, line: int, character: int) -> tuple[int, int]:
 def outline(state: SpecState) -> dict[str, Any]:
     """What the form shows: drives and jobs as the text has them, and whether jobs can be added here."""
     drives = []
-    for _, key in state.names("drives"):
+    for path, key in state.names("drives"):
         known = known_drive(state, key)
         drives.append(
-            {"key": key, "device": known.device.key if known else "", "title": known.device.title if known else ""}
+            {
+                "key": key,
+                "device": known.device.key if known else "",
+                "title": known.device.title if known else "",
+                **_entry(state, path),
+            }
         )
-    jobs = [{"key": key, "drives": _of(state, path), "path": list(path)} for path, key in state.names("jobs")]
-    stations = [{"key": str(path[-1]), "line": str(path[1])} for path, _ in state.names("ppi", "*", "stations")]
-    jobs += [{"key": key, "drives": [], "path": list(path)} for path, key in state.names("ppi", "*", "jobs")]
+    jobs = [{"key": key, "drives": _of(state, path), **_entry(state, path)} for path, key in state.names("jobs")]
+    stations = [
+        {"key": key, "line": str(path[1]), **_entry(state, path)} for path, key in state.names("ppi", "*", "stations")
+    ]
+    jobs += [{"key": key, "drives": [], **_entry(state, path)} for path, key in state.names("ppi", "*", "jobs")]
     project = state.project
     return {
         "drives": drives,
@@ -86,8 +94,44 @@ def outline(state: SpecState) -> dict[str, Any]:
         "stations": stations,
         "lines": [key for _, key in state.names("ppi")],
         "recipes": [key for _, key in state.names("recipes")],
+        "next_address": _next_address(state),
         "family": project.target.family if project is not None else "",
     }
+
+
+def _next_address(state: SpecState) -> str:
+    """One more than the greatest address of a drive, as a proposal; empty if no drive has one as a number."""
+    places = (
+        one for one in state.sketch.entries if "drives" in one.path and one.path[-1] in {"hardware_id", "address"}
+    )
+    numbers = [int(one.value) for one in places if one.value.isdecimal() and len(one.value) <= _DIGITS]
+    return str(max(numbers) + 1) if numbers else ""
+
+
+def _entry(state: SpecState, path: Sequence[str | int]) -> dict[str, Any]:
+    """The keys to an entry, where its key stands (None in another file), and what a job reads, writes or compares."""
+    found = state.sketch.get(*path)
+    parameters = [
+        {"label": _label(state, one.path), "path": list(one.path)}
+        for one in state.sketch.entries
+        if len(one.path) == len(path) + 2 and one.path[:-2] == tuple(path) and one.path[-2] in _HOLD
+    ]
+    does = [one.path[-1] for one in state.sketch.below(tuple(path)) if one.path[-1] in _KINDS]
+    where = None if found is None else place(state.document.lines, found.key)[:2]
+    return {"path": list(path), "place": where, "parameters": parameters, "does": does}
+
+
+_KINDS = frozenset(one.key for one in known_kinds())
+_DIGITS = 5
+_HOLD = ("read", "write", "compare")
+
+
+def _label(state: SpecState, path: Sequence[str | int]) -> str:
+    """A parameter as the text names it: by its key, as an item, or in an item with more keys."""
+    last = path[-1]
+    if isinstance(last, str):
+        return last
+    return state.sketch.value(*path) or state.sketch.value(*path, "parameter") or str(last + 1)
 
 
 def _of(state: SpecState, path: Sequence[str | int]) -> list[str]:

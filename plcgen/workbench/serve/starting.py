@@ -14,7 +14,7 @@ from plcgen.project.target import combination_problem
 from plcgen.s7.types.families import FAMILIES
 from plcgen.workbench.serve.room import wrong
 from plcgen.workbench.service.specs.shape import spec_shape
-from plcgen.workbench.starter import ppi_starter, starter
+from plcgen.workbench.starter import RECIPES, ppi_starter, starter, usable
 
 CLASSIC = ("s7-300", "s7-400")
 LANGUAGES = ("en-US", "de-DE", "zh-CN")
@@ -56,12 +56,18 @@ def _starter_text(name: str, given: Given, folder: Path) -> str:
         text = ppi_starter(name, family, tool)
         key, address = _name({"key": "s7_200", **given}, name), _number(given, "address", "2", name)
         text = text.replace("s7_200", key).replace("address: 2}", f"address: {address}}}")
+        text = re.sub(
+            r"\b(port|address): (?:270|256)\b", rf"\g<1>: {_number(given, 'port', '270', name)}", text, count=1
+        )
         return text.replace("My station", title)
     report = Report()
     device = Catalogue(folder).find(given.get("device", ""), Span(name), report)
     if device is None:
         raise DiagnosticError(report)
-    text = starter(name, device, family, tool).replace("My station", title)
+    jobs = tuple(one for one in given["jobs"].split(",") if one) if "jobs" in given else usable(device)
+    if ("jobs" in given and not jobs) or not set(jobs) <= RECIPES.keys():
+        raise wrong(name, "a spec begins with one job at least", f"choose of {', '.join(RECIPES)}")
+    text = starter(name, device, family, tool, jobs).replace("My station", title)
     text = re.sub(r"\bdrive1\b", _name({"key": "drive1", **given}, name), text)
     for key, keys in (("address", "address|hardware_id"), ("drive_object", "drive_object")):
         if given.get(key, "").strip():
@@ -74,7 +80,13 @@ def choices() -> dict[str, Any]:
     shape, tools = spec_shape(), get_args(Toolchain)
     return {
         "devices": [
-            {"key": key, "title": one.title, "drive_object": str(one.drive_object), "rule": one.drive_object_rule}
+            {
+                "key": key,
+                "title": one.title,
+                "drive_object": str(one.drive_object),
+                "rule": one.drive_object_rule,
+                "jobs": list(usable(one)),
+            }
             for key in device_names()
             for one in [find_device(key)]
         ],

@@ -13,6 +13,7 @@ import { newSpec } from "./newspec.js";
 import { writeFiles, zip } from "./writing.js";
 
 export const desk = {
+  rename: (old) => rename(old),
   folder: null, name: "", known: "", saved: "", editor: null, checked: null, writes: 0,
   get text() { return this.editor.text; },
   get dirty() { return this.name !== "" && (this.known === "" || this.text !== this.saved); },
@@ -107,9 +108,9 @@ async function written(text, known) {
 }
 
 // A job, a drive: its new name goes wherever it is named.
-function rename() {
+function rename(old = "") {
   const place = desk.editor.place, dialog = $("#dialog");
-  const name = h("input", { id: "new-name", required: true, size: 24 });
+  const name = h("input", { id: "new-name", value: old, required: true, size: 24 });
   const go = async (event) => {
     event.preventDefault();
     const found = await attempt(() => ask("rename", { ...desk.now, ...place, word: name.value.trim() }));

@@ -46,7 +46,7 @@ export function tell(text, level = "note", help = "") {
 }
 
 // What a question raises is shown; a newer question that replaced it is no problem.
-export async function attempt(call) {
+export async function attempt(call, into = undefined) {
   try {
     return await call();
   } catch (problem) {
@@ -54,7 +54,9 @@ export async function attempt(call) {
     if (!(problem instanceof Refused)) throw problem;
     for (const one of problem.problems) {
       const place = one.line ? ` (${one.file}:${one.line})` : one.file ? ` (${one.file})` : "";
-      tell(`${one.code ? `${one.code}: ` : ""}${one.message}${place}`, one.severity ?? "error", one.help);
+      const said = `${one.code ? `${one.code}: ` : ""}${one.message}${place}`;
+      if (into) into.append(h("p", { class: "bad" }, said, one.help ? h("small", {}, ` ${one.help}`) : null));
+      else tell(said, one.severity ?? "error", one.help);
     }
     return undefined;
   }

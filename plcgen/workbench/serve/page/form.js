@@ -13,13 +13,15 @@ export function specForm(desk) {
   const every = h("input", { id: "cycle", size: 6, placeholder: "1s", "aria-label": word("every") });
   const cycle = h("form", { class: "one", onsubmit: (event) => { event.preventDefault(); change("cycle", { job: target.value, cycle: every.value.trim() || "1s" }); } },
     h("span", { class: "quiet" }, `${word("onCycle")}, ${word("every")}`), every, h("button", { id: "set-cycle" }, word("set")));
-  const catalogue = h("div", {}, h("h3", {}, word("catalogue")), field(word("addTo"), target), cycle, words, results);
+  const has = h("div", { class: "chips", id: "has" });
+  const catalogue = h("div", {}, h("h3", {}, word("catalogue")), field(word("addTo"), target), has, cycle, words, results);
   let asking = new AbortController(), added = "";
 
   async function change(what, given) {
     const found = await attempt(() => ask("change", { ...desk.now, what, given }));
     if (!found) return false;
     desk.editor.apply(found.edits);
+    for (const one of document.querySelectorAll("#notices .error")) one.remove();  // it has been done after all
     return true;
   }
 
@@ -40,8 +42,7 @@ export function specForm(desk) {
       list.push(h("article", { class: "hit" },
         h("details", {}, h("summary", {}, h("b", {}, one.parameter), ` ${one.text}`, one.danger ? h("em", { class: "bad", title: one.danger }, ` ${word("dangerous")}`) : null),
           h("dl", {}, one.facts.map(([name, text]) => [h("dt", {}, name), h("dd", {}, text)]))),
-        h("button", { disabled: !target.value, onclick: () => put("read") }, word("readIt")),
-        one.writable ? h("button", { disabled: !target.value, onclick: () => put("write") }, word("writeIt")) : null));
+        putting(put, one.writable)));
     }
     list.push(...messages);
     for (const one of found.nothing) list.push(h("p", { class: "quiet" }, `${one.device}: ${one.why}`, h("small", {}, ` ${one.help}`)));
@@ -55,13 +56,21 @@ export function specForm(desk) {
   function unknown() {
     const type = h("input", { size: 12, placeholder: "FloatingPoint", "aria-label": word("type") });
     const put = (access) => change("parameter", { job: target.value, parameter: words.value.trim(), access, type: type.value.trim() || type.placeholder });
-    return h("div", { class: "hit" }, field(word("type"), type), h("button", { type: "button", onclick: () => put("read") }, word("readIt")), h("button", { type: "button", onclick: () => put("write") }, word("writeIt")));
+    return h("div", { class: "hit" }, field(word("type"), type), putting(put, true));
+  }
+
+  // Buttons for what the chosen job can take: it reads or writes, a recipe holds.
+  function putting(put, writable) {
+    const does = desk.checked?.jobs.find((one) => one.path.join("/") === target.value)?.does ?? [];
+    const button = (access, label) => h("button", { type: "button", disabled: !target.value, onclick: () => put(access) }, word(label));
+    if (target.value.startsWith("recipes/")) return writable ? [button("write", "addIt")] : [];
+    return [!does.length || does.includes("read") ? button("read", "readIt") : null, writable && (!does.length || does.includes("write")) ? button("write", "writeIt") : null];
   }
 
   function addDrive() {
     const name = h("input", { required: true, value: free("drive", desk.checked?.drives), size: 10 });
-    const { device, rule, object } = deviceFields(desk, "sinamics-s120");
-    const address = h("input", { value: "270", inputmode: "numeric", size: 6, pattern: "[0-9]+" });
+    const { device, rule, object } = deviceFields(desk, desk.checked?.drives.at(-1)?.device || "sinamics-s120");
+    const address = h("input", { value: desk.checked?.next_address || "270", inputmode: "numeric", size: 6, pattern: "[0-9]+" });
     const label = /300|400/.test(desk.checked?.family ?? "") ? "logicalAddress" : "hardwareId";
     return adding(word("addDrive"), [field(word("name"), name), field(word("device"), device), field(word(label), address), field(word("driveObject"), object), rule],
       () => change("drive", { key: name.value, device: device.value, address: address.value, drive_object: object.value }));
@@ -111,13 +120,15 @@ export function specForm(desk) {
       whenField.firstChild.textContent = word(start.value === "trigger" ? "flag" : "every");
       when.placeholder = start.value === "trigger" ? "M50.0" : "1s";
       recipeField.hidden = !kind.endsWith("_recipe");
-      for (const one of asked) one.hidden = !offered.find((each) => each.kind === kind)?.asks;
+      const asks = Boolean(offered.find((each) => each.kind === kind)?.asks);
+      parameter.required = asks;
+      for (const one of asked) one.hidden = !asks;
     };
     const list = () => {
       if (!offered.some((one) => one.kind === kind && !reason(one))) kind = offered.find((one) => !reason(one))?.kind ?? "";
       fill(kinds, offered.map((one) => h("label", { class: reason(one) ? "off" : "", title: reason(one) ? `${reason(one)}\n${one.help}` : one.text },
         h("input", { type: "radio", name: "kind", value: one.kind, disabled: reason(one) !== "", checked: one.kind === kind, onchange: () => { kind = one.kind; draw(); } }),
-        h("span", {}, h("b", {}, named("kind", one.kind)), h("small", {}, reason(one) || one.title)))));
+        h("span", {}, h("b", {}, named("kind", one.kind)), h("small", {}, reason(one) || named("is", one.kind, one.title))))));
       draw();
     };
     const offer = async () => {
@@ -132,7 +143,7 @@ export function specForm(desk) {
     };
     partner.addEventListener("change", offer);
     start.addEventListener("change", list);
-    const made = adding(word("addJob"), [field(word("name"), name), field(word("partner"), partner), field(word("start"), start), whenField, kinds, recipeField, asked], () => {
+    const made = adding(word("addJob"), [field(word("name"), name), field(word("partner"), partner), field(word("start"), start), whenField, asked, kinds, recipeField], () => {
       added = `jobs/${name.value}`;
       return change("job", { key: name.value, kind, ...given() });
     });
@@ -149,33 +160,47 @@ export function specForm(desk) {
     return h("details", { class: "adding" }, h("summary", {}, title), h("form", { onsubmit: send }, fields, h("button", { class: "main", type: "submit" }, word("create"))));
   }
 
-  const goTo = (key) => {
-    const line = desk.text.split("\n").findIndex((one) => one.match(new RegExp(`^\\s*["']?${key}["']?\\s*:`)));
-    if (line >= 0) desk.editor.go(line, 2);
-  };
+  const goTo = (one) => { if (one.place) desk.editor.go(...one.place); };
+  const remove = (one) => change("remove", { path: one.path.join("/") });
+  const small = (label, text, onclick) => h("button", { class: "plain", title: label, "aria-label": label, onclick }, text);
+
+  // A drive, station or job: to its line, another name, away with it; Delete removes the row that has the focus.
+  function entry(one, detail, more = () => {}) {
+    const key = (event) => { if (event.key === "Delete") remove(one); };
+    const row = h("button", { class: "row", onclick: () => { goTo(one); more(); }, onkeydown: key }, h("b", {}, one.key), detail);
+    return h("div", { class: "entry" }, row, one.place ? [
+      small(`${word("rename")}: ${one.key}`, "\u270e", () => { goTo(one); desk.rename(one.key); }), small(`${word("remove")}: ${one.key}`, "\u00d7", () => remove(one))] : null);
+  }
 
   function outline(found) {
     if (!found) return;
     const open = [...form.querySelectorAll("details.adding[open] summary")].map((one) => one.textContent);
-    fill(drives, found.drives.map((one) => h("button", { class: "row", onclick: () => goTo(one.key) }, h("b", {}, one.key), h("small", {}, one.title || "?"))),
-      found.stations.map((one) => h("button", { class: "row", onclick: () => goTo(one.key) }, h("b", {}, one.key), h("small", {}, one.line))),
+    fill(drives, found.drives.map((one) => entry(one, h("small", {}, one.title || "?"))), found.stations.map((one) => entry(one, h("small", {}, one.line))),
       h("div", { class: "adders" }, addDrive(), addStation()));
-    fill(jobs, found.jobs.map((one) => h("button", { class: "row", onclick: () => { goTo(one.key); target.value = one.path.join("/"); search(); } },
-      h("b", {}, one.key), h("small", { title: one.drives.join(", ") }, one.drives.length > 3 ? `${one.drives.length} ${word("drives")}` : one.drives.join(", ")))), addJob());
+    fill(jobs, found.jobs.map((one) => entry(one, h("small", { title: one.drives.join(", ") }, one.drives.length > 3 ? `${one.drives.length} ${word("drives")}` : one.drives.join(", ")),
+      () => { target.value = one.path.join("/"); chosen(); })), addJob());
     for (const one of form.querySelectorAll("details.adding")) one.open = open.includes(one.firstChild.textContent);
     const stations = found.stations.length > 0;
     partners.textContent = [found.drives.length || !stations ? word("drives") : "", stations ? word("stations") : ""].filter(Boolean).join(", ");
     catalogue.hidden = found.drives.length === 0;
     const before = target.value;
     fill(target, found.jobs.filter((one) => one.path[0] === "jobs").map((one) => option(one.path.join("/"), one.key)), found.recipes.map((one) => option(`recipes/${one}`, `${word("recipe")} ${one}`)));
-    cycle.hidden = !target.value.startsWith("jobs/");
     const fresh = [...target.options].some((one) => one.value === added) ? added : "";  // what is added goes into the new job
     if (fresh) added = "";
-    if (fresh || before) target.value = fresh || before;
+    if (fresh || [...target.options].some((one) => one.value === before)) target.value = fresh || before;
+    held();
   }
 
+  // What the job that is chosen has, each with a button to remove it.
+  function held() {
+    const job = desk.checked?.jobs.find((one) => one.path.join("/") === target.value);
+    cycle.hidden = !job;
+    fill(has, (job?.parameters ?? []).map((one) => h("span", { class: "chip" }, one.label, small(`${word("remove")}: ${one.label}`, "\u00d7", () => remove(one)))));
+  }
+  const chosen = () => { held(); search(); };
+
   words.addEventListener("input", search);
-  target.addEventListener("change", () => { cycle.hidden = !target.value.startsWith("jobs/"); search(); });
+  target.addEventListener("change", chosen);
   const form = h("aside", { class: "form" },
     h("div", { class: "bar ways" }, h("button", { class: "plain", id: "undo", title: `${word("undo")} (Ctrl+Z)`, onclick: () => desk.editor.undo() }, "\u21b6"),
       h("button", { class: "plain", id: "redo", title: `${word("redo")} (Ctrl+Y)`, onclick: () => desk.editor.redo() }, "\u21b7")),

@@ -1,7 +1,7 @@
 // The dialog for a new spec: what it is for, and the names and numbers that stand in it.
 import { $, fill, h, option, field } from "./dom.js";
 import { ask, attempt } from "./ask.js";
-import { word } from "./words.js";
+import { named, word } from "./words.js";
 import { deviceFields } from "./form.js";
 
 export function newSpec(desk, take) {
@@ -16,6 +16,8 @@ export function newSpec(desk, take) {
   const key = h("input", { name: "key", value: "drive1", required: true, size: 12 });
   const address = number("address", "270");
   const keyField = field("", key), addressField = field("", address), objectField = field(word("driveObject"), object);
+  const starts = h("fieldset", { class: "chips" }), said = h("div", {});
+  const port = number("port", "270"), portField = field(word("port"), port);
   const reason = h("small", { class: "rule" });
   const say = (one, text) => { one.firstChild.textContent = text; };
 
@@ -24,6 +26,11 @@ export function newSpec(desk, take) {
     fill(toolchain, Object.entries(chosen.tools).map(([tool, why]) => h("option", { value: tool, disabled: why !== "", title: why }, why ? `${tool}: ${why}` : tool)));
     toolchain.value = chosen.tools[before] === "" ? before : Object.keys(chosen.tools).find((tool) => chosen.tools[tool] === "");
     for (const one of [objectField, rule]) one.hidden = ppi;
+    portField.hidden = !ppi;
+    port.value = chosen.classic ? "256" : "270";
+    const jobs = desk.folder.devices.find((one) => one.key === device.value)?.jobs ?? [];
+    starts.hidden = jobs.length < 2;
+    fill(starts, h("legend", {}, word("beginWith")), jobs.map((one) => h("label", {}, h("input", { type: "checkbox", name: "jobs", value: one, checked: true }), named("start", one.replace("-", "_")))));
     say(keyField, word(ppi ? "station" : "drive"));
     say(addressField, word(ppi ? "ppiAddress" : chosen.classic ? "logicalAddress" : "hardwareId"));
     if (["drive1", "s7_200"].includes(key.value)) key.value = ppi ? "s7_200" : "drive1";
@@ -36,15 +43,17 @@ export function newSpec(desk, take) {
   const dialog = $("#dialog");
   const create = async (event) => {
     event.preventDefault();
-    const given = Object.fromEntries([title, device, family, toolchain, key, address, object].map((one) => [one.name, one.value]));
-    const found = await attempt(() => ask("new", { name: name.value, given }));
+    const given = Object.fromEntries([title, device, family, toolchain, key, address, object, port].map((one) => [one.name, one.value]));
+    if (!starts.hidden) given.jobs = [...starts.querySelectorAll(":checked")].map((one) => one.value).join(",");
+    fill(said);
+    const found = await attempt(() => ask("new", { name: name.value, given }), said);
     if (!found || (desk.dirty && !confirm(word("leave")))) return;
     dialog.close();
     take(found);
   };
-  fill(dialog, h("h2", {}, word("newTitle")), h("form", { onsubmit: create },
+  fill(dialog, h("h2", {}, word("newTitle")), h("form", { onsubmit: create, novalidate: true },
     field(word("file"), name), field(word("station_"), title), field(word("device"), device), field(word("family"), family), field(word("toolchain"), toolchain),
-    keyField, addressField, reason, objectField, rule,
+    keyField, addressField, portField, reason, objectField, rule, starts, said,
     h("div", { class: "buttons" }, h("button", { class: "main", type: "submit" }, word("create")),
       h("button", { type: "button", onclick: () => dialog.close() }, word("cancel")))));
   dialog.showModal();

@@ -9,7 +9,7 @@ const WORDS = {
   tabSpec: ["Spec", "Spec"], tabBecomes: ["What it becomes", "Was daraus wird"], tabRun: ["Run", "Lauf"],
   tabVerify: ["Verify", "Prüfen"], tabReview: ["Review", "Review"], tabTools: ["Tools", "Werkzeuge"],
   problems: ["Problems", "Probleme"], noProblems: ["No problems", "Keine Probleme"],
-  rename: ["Rename", "Umbenennen"],
+  rename: ["Rename", "Umbenennen"], remove: ["Remove", "Entfernen"],
   inEnglish: ["", "Meldungen und Titel auf Englisch, wie im Terminal"], undo: ["Undo", "Rückgängig"], redo: ["Redo", "Wiederherstellen"],
   why: ["Why", "Warum"], remedy: ["Remedy", "Abhilfe"],
   drives: ["Drives", "Antriebe"], jobs: ["Jobs", "Aufträge"], addDrive: ["Add drive", "Antrieb hinzufügen"],
@@ -29,10 +29,21 @@ const WORDS = {
   kind_sequence: ["Sequence of steps", "Schrittkette"], kind_messages: ["Faults and alarms", "Störungen und Warnungen"], kind_acknowledge: ["Acknowledge faults", "Störungen quittieren"],
   kind_activate: ["Activate, deactivate", "Aktivieren, deaktivieren"], kind_clock: ["Set the clock", "Uhr stellen"], kind_write_recipe: ["Recipe to the drive", "Rezeptur in den Antrieb"],
   kind_read_recipe: ["Drive to the recipe", "Antrieb in die Rezeptur"], kind_compare_recipe: ["Compare with a recipe", "Mit Rezeptur vergleichen"],
+  kind_alarms: ["Alarms", "Warnungen"], kind_service: ["Any parameter", "Beliebiger Parameter"],
+  is_read: ["values of the drive or the station", "Werte des Antriebs oder der Station"], is_write: ["constants, or inputs of the block", "Konstanten oder Eingänge des Bausteins"],
+  is_bits: ["the word is read first; its other bits stay", "das Wort wird zuerst gelesen; seine anderen Bits bleiben"], is_readback: ["what is written is read again and compared", "Geschriebenes wird zurückgelesen und verglichen"],
+  is_restore: ["the old value comes back if the job fails", "der alte Wert kommt zurück, wenn der Auftrag scheitert"], is_save: ["copies the values from RAM to ROM; not in a cycle", "kopiert die Werte vom RAM ins ROM; nicht zyklisch"],
+  is_compare: ["lists the values that differ", "listet abweichende Werte auf"], is_sequence: ["several steps of reading, writing and waiting", "mehrere Schritte: lesen, schreiben, warten"],
+  is_messages: ["the faults that are present, with value and time", "anstehende Störungen mit Wert und Zeit"], is_alarms: ["the alarms that are present", "anstehende Warnungen"],
+  is_service: ["number, index, count and drive object are inputs of the block", "Nummer, Index, Anzahl und Antriebsobjekt sind Eingänge des Bausteins"], is_acknowledge: ["as by the button of the drive", "wie mit der Taste des Antriebs"],
+  is_activate: ["takes the drive object out of operation, and back", "nimmt das Antriebsobjekt außer Betrieb und zurück"], is_clock: ["of the control unit, to the time of the CPU", "der Control Unit, nach der Zeit der CPU"],
+  is_write_recipe: ["the record with the number at an input", "den Datensatz mit der Nummer am Eingang"], is_read_recipe: ["fills the record with the number at an input", "füllt den Datensatz mit der Nummer am Eingang"],
+  is_compare_recipe: ["what the drive has, with one record", "Werte des Antriebs mit einem Datensatz"],
+  beginWith: ["Jobs to begin with", "Aufträge zu Beginn"], start_actual_values: ["Read actual values", "Istwerte lesen"], start_ramps: ["Set ramps", "Rampen setzen"], start_faults: ["Read faults", "Störungen lesen"],
   kind_run: ["RUN", "RUN"], kind_stop: ["STOP", "STOP"],
   stations: ["Stations", "Stationen"], catalogue: ["Parameters", "Parameter"],
   searchHint: ["ramp, motor temperature, P1120, F30001", "ramp, motor temperature, P1120, F30001"],
-  addTo: ["Job", "Auftrag"], readIt: ["+ read", "+ lesen"], writeIt: ["+ write", "+ schreiben"],
+  addTo: ["Job", "Auftrag"], addIt: ["+ add", "+ hinzufügen"], readIt: ["+ read", "+ lesen"], writeIt: ["+ write", "+ schreiben"],
   nothingFound: ["nothing found", "nichts gefunden"], dangerous: ["needs a sign-off", "Freigabe nötig"], reasonAsked: ["Why is this intended? The reason is written into the spec.", "Warum ist das so gewollt? Der Grund steht dann in der Spec."], more: ["more: be more precise", "weitere: genauer suchen"],
   family: ["CPU family", "CPU-Familie"], toolchain: ["Toolchain", "Werkzeug"], create: ["Create", "Anlegen"], cancel: ["Cancel", "Abbrechen"],
   file: ["File", "Datei"], ppiMaster: ["S7-200 stations (PPI)", "S7-200-Stationen (PPI)"], format: ["Format", "Formatieren"],
@@ -116,8 +127,8 @@ export function word(key) {
 }
 
 // A word of the server with a label of the page, if it has one.
-export function named(group, key) {
-  return WORDS[`${group}_${key}`] === undefined ? key.replace(/_/g, " ") : word(`${group}_${key}`);
+export function named(group, key, otherwise = key.replace(/_/g, " ")) {
+  return WORDS[`${group}_${key}`] === undefined ? otherwise : word(`${group}_${key}`);
 }
 
 export function speak(next) {

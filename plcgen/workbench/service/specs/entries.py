@@ -70,6 +70,50 @@ class Entries:
             return self._put(span.line, span.column, f"[{parent.raw}, {item}]", span.end_column - span.column)
         return self._entry(parent, item, "[]")
 
+    def drop(self, path: Sequence[str]) -> str:
+        """The text without the entry that ``path`` ends with, or the item of a list by its number from 0.
+
+        An entry above it that would be empty goes, too. Raises DiagnosticError if it is not there.
+        """
+        *above, last = path
+        parent = self.at(*above)
+        keys = list(parent.pairs) if parent is not None and parent.kind == "map" else []
+        items = list(map(str, range(len(parent.items)))) if parent is not None and parent.kind == "seq" else keys
+        if parent is None or last not in items:
+            raise refused(self.name, f'there is no "{".".join(path)}" in this text', "look in the files it includes")
+        if len(items) == 1 and above:
+            return self.drop(above)
+        firsts = [key.span for key, _ in parent.pairs.values()] or [item.span for item in parent.items]
+        at = items.index(last)
+        span = parent.span
+        if self.lines[span.line - 1][span.column - 1] in "{[":
+            return self._drop_flowing(parent, firsts, at)
+        first, end = firsts[at].line, self._with_comments(_end(parent.children[at]), firsts[at].column)
+        following = self.lines[end : end + 1]
+        if first > 1 and not self.lines[first - 2].strip() and (not following or not following[0].strip()):
+            first -= 1
+        return "".join([*self.lines[: first - 1], *self.lines[end:]])
+
+    def _drop_flowing(self, parent: YamlNode, firsts: Sequence[Span], at: int) -> str:
+        """Without one entry of brackets, and its comma."""
+        starts = [0]
+        for line in self.lines:
+            starts.append(starts[-1] + len(line))
+        places = [starts[one.line - 1] + one.column - 1 for one in firsts]
+        if at + 1 < len(firsts):
+            return self.text[: places[at]] + self.text[places[at + 1] :]
+        last = starts[parent.span.end_line - 1] + parent.span.end_column - 2
+        begin = self.text.rindex(",", places[at - 1], places[at]) if at else places[at]
+        return self.text[:begin] + self.text[last:]
+
+    def _with_comments(self, last: int, column: int) -> int:
+        """The last line of an entry with the comments below it that are indented deeper than its key."""
+        for number in range(last, len(self.lines)):
+            line = self.lines[number]
+            if not line.lstrip().startswith("#") or len(line) - len(line.lstrip()) < column:
+                return number
+        return len(self.lines)
+
     def _entry(self, parent: YamlNode, entry: str, braces: str) -> str:
         """Put an entry behind the last one of a mapping or list, in its style."""
         line = self.lines[parent.span.line - 1]
@@ -79,7 +123,9 @@ class Entries:
         last = max(_end(node) for node in (*parent.children, *(key for key, _ in parent.pairs.values())))
         indent = " " * (parent.span.column - 1)
         dash = "- " if braces == "[]" else ""
-        return self._insert(last, f"{indent}{dash}{entry}\n")
+        last, firsts = self._with_comments(last, parent.span.column), [key.span for key, _ in parent.pairs.values()]
+        apart = len(firsts) > 1 and not self.lines[firsts[-1].line - 2].strip()
+        return self._insert(last, f"{chr(10) if apart else ''}{indent}{dash}{entry}\n")
 
     def _first(self, path: Sequence[str], key: str, body: str) -> str:
         """The first entry of a mapping that is empty or missing: behind the key, or a new key at the end."""

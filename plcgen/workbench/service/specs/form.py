@@ -40,7 +40,7 @@ def put_in(state: SpecState, what: str, given: Given) -> tuple[Edit, ...]:
     or trigger; parameter and type where the kind asks for one; recipe where it names one. ``parameter``: job as the
     keys to it with ``/`` between (``jobs/ramps``, ``recipes/material``), parameter, access (read, write), type.
     ``cycle``: job, cycle. ``recipe``: key, drive, parameter. ``station``: line, key, address, cpu, and port of a line
-    that begins with it.
+    that begins with it. ``remove``: path, as the keys to it with ``/`` between.
 
     Raises:
         DiagnosticError: why that cannot be done.
@@ -201,8 +201,29 @@ def _station(state: SpecState, entries: Entries, given: Given) -> str:
     return entries.add(["ppi"], line, f"{{{module}, stations: {{{key}: {body}}}, {job}}}")
 
 
+def _removed(state: SpecState, entries: Entries, given: Given) -> str:
+    """Without a drive, station or job, or a parameter of one (``jobs/ramps/write/P1120``, ``jobs/speed/read/0``)."""
+    path = given.get("path", "").split("/")
+    uses = _uses(state, path) if path[-2:-1] in (["drives"], ["stations"]) else []
+    if uses:
+        raise refused(state.document.file, f'"{path[-1]}" is used by {", ".join(uses)}', "remove these jobs first")
+    parent = entries.at(*path[:-1])
+    if path[-2:-1] in (["read"], ["write"], ["compare"]) and parent is not None and len(parent.children) == 1:
+        raise refused(state.document.file, "the job has no other parameter", "remove the job, or add another one first")
+    return entries.drop(path)
+
+
+def _uses(state: SpecState, path: Sequence[str]) -> list[str]:
+    """The jobs that name a drive, or a station of its line."""
+    jobs, key = (("ppi", path[1], "jobs"), "station") if path[0] == "ppi" else (("jobs",), "drive")
+    deep = len(jobs)
+    named = (one for one in state.sketch.entries if one.value == path[-1] and one.path[:deep] == jobs)
+    return list(dict.fromkeys(str(one.path[deep]) for one in named if one.path[deep + 1 : deep + 2] == (key,)))
+
+
 _PUTS: Mapping[str, Callable[[SpecState, Entries, Given], str]] = {
     "drive": _drive, "job": _job, "parameter": _parameter, "cycle": _repeated, "recipe": _recipe, "station": _station,
+    "remove": _removed,
 }  # fmt: skip
 
 
