@@ -48,6 +48,15 @@ def test_a_message(words: str, tmp_path: Path) -> None:
     assert "OFF2" in one.text
 
 
+@pytest.mark.parametrize(
+    ("german", "english"),
+    [("Drehzahl", "speed"), ("strom", "current"), ("Motortemperatur", "motor temperature"), ("Rampe", "ramp")],
+)
+def test_german_words(german: str, english: str, tmp_path: Path) -> None:
+    """They find what the English ones of the titles find, and that is something."""
+    assert found(tmp_path, german).parameters == found(tmp_path, english).parameters != ()
+
+
 def test_every_drive_is_asked(tmp_path: Path) -> None:
     """Without a job all of them, those of units too, each device once; with one its drives alone."""
     assert {one.device for one in found(tmp_path, "F30001").messages} == {"sinamics-g120", "sinamics-s120"}

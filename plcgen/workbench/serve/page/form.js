@@ -194,7 +194,7 @@ export function specForm(desk) {
   // What the job that is chosen has, each with a button to remove it.
   function held() {
     const job = desk.checked?.jobs.find((one) => one.path.join("/") === target.value);
-    cycle.hidden = !job;
+    cycle.hidden = !job || job.does.includes("write");
     fill(has, (job?.parameters ?? []).map((one) => h("span", { class: "chip" }, one.label, small(`${word("remove")}: ${one.label}`, "\u00d7", () => remove(one)))));
   }
   const chosen = () => { held(); search(); };

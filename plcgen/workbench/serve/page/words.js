@@ -42,7 +42,7 @@ const WORDS = {
   beginWith: ["Jobs to begin with", "Aufträge zu Beginn"], start_actual_values: ["Read actual values", "Istwerte lesen"], start_ramps: ["Set ramps", "Rampen setzen"], start_faults: ["Read faults", "Störungen lesen"],
   kind_run: ["RUN", "RUN"], kind_stop: ["STOP", "STOP"],
   stations: ["Stations", "Stationen"], catalogue: ["Parameters", "Parameter"],
-  searchHint: ["ramp, motor temperature, P1120, F30001", "ramp, motor temperature, P1120, F30001"],
+  searchHint: ["ramp, motor temperature, P1120, F30001", "Drehzahl, Motortemperatur, P1120, F30001"],
   addTo: ["Job", "Auftrag"], addIt: ["+ add", "+ hinzufügen"], readIt: ["+ read", "+ lesen"], writeIt: ["+ write", "+ schreiben"],
   nothingFound: ["nothing found", "nichts gefunden"], dangerous: ["needs a sign-off", "Freigabe nötig"], reasonAsked: ["Why is this intended? The reason is written into the spec.", "Warum ist das so gewollt? Der Grund steht dann in der Spec."], more: ["more: be more precise", "weitere: genauer suchen"],
   family: ["CPU family", "CPU-Familie"], toolchain: ["Toolchain", "Werkzeug"], create: ["Create", "Anlegen"], cancel: ["Cancel", "Abbrechen"],

@@ -20,6 +20,14 @@ if TYPE_CHECKING:
 
 MOST = 60
 """Parameters, and messages, that a search shows."""
+GERMAN = {
+    "antriebsobjekt": "drive object", "bremse": "brake", "drehmoment": "torque", "drehzahl": "speed",
+    "frequenz": "frequency", "geber": "encoder", "grenze": "limit", "hochlaufzeit": "ramp-up time",
+    "istwert": "actual value", "leistung": "power", "motortemperatur": "motor temperature", "rampe": "ramp",
+    "rücklaufzeit": "ramp-down time", "sollwert": "setpoint", "spannung": "voltage", "strom": "current",
+    "störung": "fault", "temperatur": "temperature", "warnung": "alarm", "zwischenkreisspannung": "DC link voltage",
+}  # fmt: skip
+"""German words for what the English titles of the lists name most often (terms of the trade)."""
 _MESSAGE = re.compile(r"([FANC])0*([0-9]{1,5})\Z", re.IGNORECASE)
 
 
@@ -72,7 +80,7 @@ def search(state: SpecState, place: Sequence[str], words: str) -> Search:
 
     ``place`` are the keys to the job or recipe; empty for all drives.
     """
-    words = " ".join(words.split())
+    words = " ".join(GERMAN.get(word.casefold(), word) for word in words.split())
     keys = [key for pattern in (("drives",), ("units", "*", "drives")) for _, key in state.names(*pattern)]
     known = drives_at(state, tuple(place)) if place else [one for key in keys if (one := known_drive(state, key))]
     by_device = {(drive.device.key, drive.object_type): drive for drive in reversed(known)}
