@@ -124,9 +124,12 @@ class Repetition:
             self.call(length=SCAN_MS if calls <= short else 0)
             rig.alive()
         started = rig.cpu.clock if self.run.seen[0] else 0
-        if started and not self.begun + 2 * cycle <= started <= last + CALLS * self.length + self.lost():
+        latest = last + CALLS * self.length + self.lost()
+        if started and not self.begun + 2 * cycle <= started <= latest:
             passed = started - self.begun
             raise ScenarioError(f"it starts {passed} ms after the last run, while another job has the unit")
+        if not started and rig.cpu.clock > latest:
+            raise ScenarioError(f"it lets another job go first for {rig.cpu.clock - self.begun} ms")
         if len(rig.drive.journal) > sent:
             raise ScenarioError("it sends something while another job has the unit")
         rig.leave()

@@ -121,7 +121,6 @@ DAMAGE = {
     "others do not go first": ("THEN #tempFree := FALSE; END_IF;", "THEN #tempFree := TRUE; END_IF;"),
     "who only asks does not go first": ("THEN #tempFree := FALSE; END_IF;", "THEN ; END_IF;"),
     "it waits for whoever has given up": ("want <> #unit.ended[#tempIndex] THEN #temp", "want > 0 THEN #temp"),
-    "a job that has the unit counts as nobody": ("#tempFree := #tempTurn.grant = L#0;", "#tempFree := TRUE;"),
     "it lets others go first for ever": ("IF #tempFree OR #statSince >= #CYCLE_WAITS THEN", "IF #tempFree THEN"),
     "values are valid for longer": ("VALID_LIMIT : DInt := L#3000", "VALID_LIMIT : DInt := L#3500"),
     "the age of a run that failed": ("IF #tempRan AND #done THEN", "IF #tempRan AND NOT #busy THEN"),
