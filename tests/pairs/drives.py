@@ -41,12 +41,13 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     "retain": ("yes", "no"),
     "cycle": ("no", "100ms", "1s", "1h"),
     "owned": ("none", "Main", "notes.md"),
+    "scale": ("no", "0.5"),
 }  # fmt: skip
 BASE: Row = {
     "toolchain": "tia-v19", "family": "s7-1500", "device": "sinamics-s120", "kind": "read", "type": "FloatingPoint",
     "languages": "en", "names": "style", "trigger": "member", "buffers": "instance", "drives": "one", "index": "none",
     "times": "default", "comment": "none", "key": "usual", "sources": "one", "prefix": "none", "retain": "yes",
-    "owned": "none", "cycle": "no",
+    "owned": "none", "cycle": "no", "scale": "no",
 }  # fmt: skip
 TRIPLES = (("family", "kind", "languages"),)
 LANGUAGES = {
@@ -132,6 +133,7 @@ def spec(row: Row) -> dict[str, Any]:
     classic = row["family"] in {"s7-300", "s7-400"}
     place = "address" if classic else "hardware_id"
     values: dict[str, Any] = {"P43000": {"type": row["type"]}}
+    values["P43000"] |= {"scale": 0.5} if row["scale"] != "no" else {}
     values |= {"P42990": {"type": "FloatingPoint", "name": "level"}, "P42980": {"type": "Unsigned16"}}
     device, number = row["device"], {"two": 2, "unit": 2, "list": 2}.get(row["drives"], 1)
     each: list[dict[str, Any]] = [{place: 256 + 20 * n, "parameters": values} for n in range(number)]

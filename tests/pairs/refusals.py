@@ -37,6 +37,7 @@ DRIVES: tuple[Refusal, ...] = (
     ((("trigger", ("inputs",)),), "PG404"),
     ((("trigger", ("bit", "flags", "symbol", "tags")), ("drives", ("list",))), "PG404"),
     ((("type", TEXTS), ("index", ("range", "many", "last", "high"))), "PG206"),
+    ((("scale", ("0.5",)), ("type", ("Boolean", "FloatingPoint", "Float64", *TEXTS, *TIMES))), "PG107"),
     ((("kind", ("until",)), ("index", ("range", "many"))), "PG251"),
     ((("kind", ("until",)), ("type", TEXTS)), "PG251"),
     ((("kind", ("until",)), ("type", ("Float64",)), ("family", ("s7-300", "s7-400"))), "PG251"),
