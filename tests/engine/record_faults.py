@@ -170,6 +170,11 @@ def _no_answer_yet(errand: Errand) -> Iterator[EngineScenario]:
     yield EngineScenario(
         name="no retries", status=(WORDS["RETRIES"],), reads={1: STATE_CONFLICT}, most=0, retries=0, telegram=1,
     )  # fmt: skip
+    # 0, 20, 50 and 100 ms are 1 ms less than the pause, of which one may be used up: a fifth retry has all of it
+    yield EngineScenario(
+        name="short pauses are not quite a pause", status=(WORDS["RETRIES"],), reads={0: STATE_CONFLICT}, pause=171,
+        most=1, retries=5, telegram=1, calls=None,
+    )  # fmt: skip
     yield EngineScenario(name="no retries needed", most=0)
     # the pause of 8000 ms begins behind the first try: 1000 ms later the time is over
     yield EngineScenario(

@@ -30,6 +30,18 @@ EQUIVALENT = {
     r"^DriveChannel: NOT -> nothing: statProbe := NOT tempProbe": (
         "only a copy that fails could leave it: every data block has the byte that is copied"
     ),
+    r"^DriveChannel: dropped: tempPointer\.address := DW#16#84\w+ \(3\)$": "RDREC has it from the same call",
+    r"^DriveChannel: dropped: statAsks := FALSE": (
+        "who asks again in the next turn has no place any more: the gate was called meanwhile, as it is in the same OB"
+    ),
+    r"^DriveChannel: exchanged: FOR tempByte := 0 TO tempMore - 1 DO": "the bytes in front of a value, and the value",
+    r"^DriveChannel: OR -> AND: IF tempSlot = statSlot OR tempWant <= 0 OR .*\(1\)$": (
+        "who holds the unit looks at the grant, not at what has ended"
+    ),
+    r"^DriveChannel: > -> >=: IF statState > STATE_HOLD AND": (
+        "between two telegrams nobody looks at the status, and with the next one the time is over, too"
+    ),
+    r"^DriveChannel: 44 -> 45: IF tempKind >= 33 AND tempKind <= 44": "7Dh is no format, as 2Dh is none",
     r"^DriveChannel: dropped: tempGrant := 0": "what it keeps from being done would do once more what was just done",
     r"^DriveChannel: 0 -> 1: statCount := LIMIT\(MN := 0": "a request has one parameter at least",
     r"^DriveChannel: (0 -> 1|3 -> 4): FOR tempByte := 0 TO 3 DO unit.telegram\[tempByte\] := tem": (
