@@ -42,6 +42,7 @@ jobs:
   sequence: {{drive: axis, sequence: [{{write: {{P3121: 1}}}}, {{until: {{P3121: 1, P1120: "> 0.5"}}}}, {{read: r21}}]}}
   activate: {{drive: axis, activate: input}}
   clock: {{drive: control, clock: utc}}
+  look: {{drive: axis, service: read}}
   load: {{drive: axis, write_recipe: spool, verify: readback, on_error: restore}}
   store: {{drive: axis, read_recipe: spool}}
   check: {{drive: axis, compare_recipe: spool}}

@@ -102,5 +102,5 @@ def test_check_and_generate_estimate_the_same_bytes(tmp_path: Path, monkeypatch:
 def test_nothing_written_has_no_size(tmp_path: Path) -> None:
     """A spec with an error has no folder to read."""
     spec = tmp_path / "job.yaml"
-    spec.write_text(SPEC.replace("P50303", "P1"), encoding="utf-8")
+    spec.write_text(SPEC.replace("P50303", "P70000"), encoding="utf-8")
     assert api.generate(spec, tmp_path / "out").size() is None

@@ -45,7 +45,10 @@ def title_in(language: str, title: str) -> str:
 
 @cache
 def _titles() -> dict[str, list[str]]:
-    return tomllib.loads((templates_dir() / "ds47" / "titles.toml").read_text("utf-8"))
+    found: dict[str, list[str]] = {}
+    for path in sorted(templates_dir().glob("*/titles.toml")):
+        found |= tomllib.loads(path.read_text("utf-8"))
+    return found
 
 
 def _joined(lines: list[str]) -> Iterator[str]:

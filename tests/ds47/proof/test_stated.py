@@ -76,17 +76,16 @@ def test_what_is_right_is_one_row(made: tuple[Path, FolderParts]) -> None:
     assert (row.id, row.verdict) == ("spec", "5 of 5 jobs stated and kept")
 
 
-# What the source of a job has, what stands there instead, the job, and what is told. Bytes are those of the telegram:
-# 5.0 is 40 A0 00 00, 6.0 is 40 C0 00 00; 971 = 03CBh, 970 = 03CAh.
+# What the source of a job or its request has, what stands there instead, the job, and what is told; 971 = 03CBh.
 DAMAGES = {
-    "value": ("SetRamps", "B#16#40, B#16#A0", "B#16#40, B#16#C0", "set_ramps", "(P1120: 5.0), found 1120 = 6.0"),
+    "value": ("typeSetRamps_Request", "Real := 5.0", "Real := 6.0", "set_ramps", "(P1120: 5.0), found 1120 = 6.0"),
     "identifier": ("DriveCalls", "hardwareId := 281", "hardwareId := 280", "set_ramps", "identifier 281"),
     "drive object": ("DriveCalls", "driveObject := B#16#03", "driveObject := B#16#01", "set_ramps", "drive object 3"),
     "record": ("DriveCalls", "recordIndex := 45103", "recordIndex := 47", "set_ramps", "record B02Fh"),
     "wait": ("DriveCalls", "waitLimit := L#120000", "waitLimit := L#60000", "set_ramps", "120000 ms, found 60000"),
     "timeout": ("SetRamps", "L#4000", "L#2000", "set_ramps", "if the answer comes within 4000 ms"),
     "retries": ("SetRamps", "retries := 5", "retries := 1", "set_ramps", "5 retries, found 1"),
-    "reset": ("SaveAxis", "B#16#03, B#16#CB", "B#16#03, B#16#CA", "save_axis", "971 (P971), found a write of 970"),
+    "reset": ("typeSaveAxis_Request1", "16#03CB", "16#03CA", "save_axis", "971 (P971), found a write of 970"),
     "distance": ("SaveAxis", "L#60000;", "L#6000;", "save_axis", "16#8502 before 60000 ms are over"),
     "limit": ("SaveAxis", "SAVE_LIMIT : DInt := L#4000", "SAVE_LIMIT : DInt := L#2000", "save_axis", "4000 ms"),
     "interval": ("SaveAxis", "SAVE_INTERVAL : DInt := L#1000", "SAVE_INTERVAL : DInt := L#500", "save_axis", "1000 ms"),
