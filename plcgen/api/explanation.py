@@ -68,9 +68,11 @@ def _block_page(kind: str, number: int) -> Page:
 
 def _as_message(text: str, device: str) -> tuple[tuple[str, str], ...]:
     """Four digits are the number of a message, too, if its first digit is left out: 7901 of F07901."""
+    if not _FOUR.match(text):
+        return ()
     from plcgen.ds47.lookup import message_page
 
-    page = message_page(f"0{text}", device) if _FOUR.match(text) else None
+    page = message_page(f"0{text}", device)
     return () if page is None else (("As a message of a drive", f"{page.key}: {page.title}; plcgen explain 0{text}"),)
 
 
