@@ -154,7 +154,7 @@ DAMAGE = {
     "signal of another job": ("DriveCalls", "#getTwo(", "getTwo.done", "getOne.done", "get.(one|two): busy"),
     "expected type": ("Get", "", "DW#16#08010004;  // P1120", "DW#16#07010004;", "expected of P1120"),
     "expected number": ("Get", "", "DW#16#06080010", "DW#16#06070010", "expected of r945"),
-    "swapped outputs": ("Get", "", "View.rampUpTime", "View.rampDownTime", "rampUpTime is"),
+    "swapped outputs": ("Get", "", "statResponse.rampUpTime", "statResponse.rampDownTime", "rampUpTime is"),
     "output of another parameter": (
         "Get",
         "",

@@ -327,7 +327,7 @@ def test_a_value_may_be_called_as_a_member_of_the_diagnostics_is(tmp_path: Path)
         "drives: {axis: {device: sinamics-s120, hardware_id: 256, drive_object: 3}}\n"
         "jobs:\n"
         "  read_it: {drive: axis, read: [{parameter: r21, as: state}]}\n"
-        "  write_it: {drive: axis, write: {P1120: {as: telegram}}}\n",
+        "  write_it: {drive: axis, write: {P1120: {as: telegram, start: 5.0}}}\n",
         "utf-8",
     )
     assert api.generate(spec).ok

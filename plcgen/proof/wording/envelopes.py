@@ -171,9 +171,8 @@ def _holds(whole: str, part: str) -> bool:
     if not part or part not in whole:
         return False
     front, _, rest = whole.partition(part)
-    return (not front or front.endswith(": ") or front[:1] in {"r", "P"} or _ADDRESS.fullmatch(front) is not None) and (
-        not rest or rest[:2] in {" [", " ("}
-    )
+    leads = not front or front.endswith(": ") or bool(_PARAMETERS.match(front) or _ADDRESS.fullmatch(front))
+    return leads and (not rest or rest[:2] in {" [", " ("})
 
 
 def _english(comment: Mapping[str, str]) -> str:
