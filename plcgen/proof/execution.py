@@ -302,7 +302,7 @@ def together_check(suite: Suite[Any], result: Result) -> Check:
     if not result.failures:
         return replace(good, text=f"{good.text}; {result.made}") if result.made else good
     found = diagnostic("PG621", good.subject, result.failures, suite.page)
-    trials = tuple(Trial(one.scenario, one.scan, False) for one in result.failures)  # noqa: FBT003 - see the field
+    trials = tuple(Trial(one.scenario, one.scan, ok=False) for one in result.failures)
     return replace(failed(good.id, good.subject, good.text, found, str(result.failures[0])), trials=trials)
 
 

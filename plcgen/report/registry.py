@@ -67,10 +67,13 @@ KINDS = tuple(field.name for field in fields(OutputFormat) if field.name not in 
 
 def output_format(name: str) -> OutputFormat | None:
     """The format of a name, None if there is none. Raises PluginError if an entry point is none."""
-    if name in _shipped():
-        found: OutputFormat = import_module(f"plcgen.report.formats.{name}").FORMAT
-        return found
-    return _foreign().get(name)
+    return shipped_format(name) if name in _shipped() else _foreign().get(name)
+
+
+def shipped_format(name: str) -> OutputFormat:
+    """One of plcgen's own formats. Raises ModuleNotFoundError if it is none."""
+    found: OutputFormat = import_module(f"plcgen.report.formats.{name}").FORMAT
+    return found
 
 
 def formats_for(kind: str) -> tuple[str, ...]:

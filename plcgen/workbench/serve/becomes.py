@@ -26,6 +26,7 @@ from plcgen.report.review.excerpts import excerpts
 from plcgen.s7.read.generated import MANIFEST
 from plcgen.s7.read.text import decode_source
 from plcgen.s7.tables.panel import PanelTag
+from plcgen.workbench.serve.room import digest
 from plcgen.workbench.service.panel import tags_of
 
 SOURCES = (".scl", ".udt", ".db")
@@ -170,7 +171,7 @@ def guide(folder: Path) -> str:
 
 
 def in_the_way(done: GenerateResult) -> list[dict[str, str]]:
-    """Files that writing would overwrite if it were told to, each with why it did not; none if that would not be all.
+    """Files that writing would overwrite if it were told to, with why it did not and a hash; none if that is not all.
 
     A manifest of another project stands for all files of that one: it is never offered.
     """
@@ -180,7 +181,7 @@ def in_the_way(done: GenerateResult) -> list[dict[str, str]]:
     if any(one.code not in {"PG501", "PG502"} for one in errors) or len(own) < len(errors):
         return []
     return [
-        {"path": path.relative_to(done.folder).as_posix(), "why": one.message}
+        {"path": path.relative_to(done.folder).as_posix(), "why": one.message, "held": digest(path.read_bytes())}
         for path, one in zip(paths, errors, strict=True)
     ]
 

@@ -65,9 +65,9 @@ class Save(Text):
 
 
 class Write(Save):
-    """``overwrite``: files in the way, by their names in the output, that somebody has agreed to lose."""
+    """``overwrite``: files in the way that somebody has agreed to lose, by name in the output, with what they held."""
 
-    overwrite: list[str] = Field([], max_length=2000)
+    overwrite: dict[str, str] = Field({}, max_length=2000)
 
 
 class Change(Text):
@@ -344,11 +344,11 @@ class Desk:
         return becomes.panel(self.made(asked))
 
     def write(self, asked: Write) -> dict[str, Any]:
-        """Save the spec and generate its folder; a file of the user is overwritten only if ``overwrite`` names it."""
+        """Save the spec and generate its folder; a file of the user is overwritten only as ``overwrite`` has it."""
         known, path = self.save(asked), self.room.find(asked.name)
         done = api.generate(path)
         blocked = becomes.in_the_way(done)
-        if blocked and {one["path"] for one in blocked} <= set(asked.overwrite):
+        if blocked and all(asked.overwrite.get(one["path"]) == one["held"] for one in blocked):
             done, blocked = api.generate(path, force=True), []
         self.workspace.changed()
         return {

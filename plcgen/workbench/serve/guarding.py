@@ -18,7 +18,7 @@ from plcgen.report.diff.lock import DEFAULT
 from plcgen.report.diff.lockfile import read_lock, reduced
 from plcgen.report.diff.planned import spec_snapshot
 from plcgen.report.diff.run import compare_snapshots
-from plcgen.report.registry import output_format
+from plcgen.report.registry import shipped_format
 from plcgen.s7.compare.data import comparison_data
 from plcgen.s7.compare.policyfile import load_policy
 from plcgen.workbench.serve.becomes import FIRST_TIME, Made
@@ -52,12 +52,10 @@ def compared(typed: Typed, room: Room) -> dict[str, Any]:
     except DiagnosticError as problem:
         problems = [problem_data(one, room.shown) for one in problem.diagnostics]
         return {"lock": name, "there": True, "text": "", "summary": {}, "problems": problems}
-    format_ = output_format("text")
-    assert format_ is not None  # noqa: S101 - it is shipped
     return {
         "lock": name,
         "there": True,
-        "text": format_.render("comparison", found, PLAIN).replace(f"{room.folder.as_posix()}/", ""),
+        "text": shipped_format("text").render("comparison", found, PLAIN).replace(f"{room.folder.as_posix()}/", ""),
         "summary": comparison_data(found, "never")["summary"],
         "problems": [problem_data(one, room.shown) for one in found.diagnostics],
     }

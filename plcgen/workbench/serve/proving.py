@@ -17,7 +17,7 @@ from plcgen.proof.checks import Outcome
 from plcgen.proof.data import verification_data
 from plcgen.proof.effort import Faults
 from plcgen.proof.replay import replay
-from plcgen.report.registry import output_format
+from plcgen.report.registry import shipped_format
 from plcgen.report.review.collect import collect
 from plcgen.report.review.model import ReviewRequest
 from plcgen.workbench.serve.becomes import Made
@@ -101,9 +101,7 @@ def reviewed(spec: Typed, folder: Path, base: str, progress: Progress) -> dict[s
     """The page of a review. Raises DiagnosticError if there is nothing to compare with under that name."""
     request = ReviewRequest(spec.path, folder, base, read=spec.read, home=default_folder(spec.path))
     found = collect(request, progress)
-    format_ = output_format("html")
-    assert format_ is not None  # noqa: S101 - it is shipped
-    page = format_.render("review", found, PLAIN)
+    page = shipped_format("html").render("review", found, PLAIN)
     for private in (folder.parent, spec.path.parent):  # the page is handed on
         page = page.replace(f"{private.as_posix()}/", "")
     return {"page": page, "ok": found.ok, "name": f"{spec.path.stem}_review.html"}

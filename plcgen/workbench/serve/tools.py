@@ -23,7 +23,7 @@ from plcgen.base.telegrams.decoded import telegram_data
 from plcgen.base.telegrams.hexbytes import HexError, parse_hex
 from plcgen.ds47.texts import status_answer
 from plcgen.proof.audited import audit_files
-from plcgen.report.registry import output_format
+from plcgen.report.registry import shipped_format
 from plcgen.s7.compare.data import comparison_data
 from plcgen.workbench.serve.proving import Typed
 from plcgen.workbench.serve.spec import problem_data
@@ -94,9 +94,7 @@ def audit(typed: Typed, files: Dropped) -> dict[str, Any]:
     """Hand-written blocks and calls against the spec as it is typed."""
     with laid(files) as (folder,):
         found = audit_files(_each(folder), typed.path, typed.read)
-        format_ = output_format("text")
-        assert format_ is not None  # noqa: S101 - it is shipped
-        text = format_.render("verification", found, PLAIN).replace(f"{folder.as_posix()}/", "")
+        text = shipped_format("text").render("verification", found, PLAIN).replace(f"{folder.as_posix()}/", "")
         return {"text": text, "ok": found.ok, "problems": _problems(tuple(found.outside), folder)}
 
 
@@ -104,9 +102,7 @@ def layout(files: Dropped) -> dict[str, Any]:
     """Every block of the files as a page, byte by byte."""
     with laid(files) as (folder,):
         found = api.layout(*_each(folder))
-        format_ = output_format("html")
-        assert format_ is not None  # noqa: S101 - it is shipped
-        page = format_.render("layout", found, PLAIN) if found.blocks else ""
+        page = shipped_format("html").render("layout", found, PLAIN) if found.blocks else ""
         return {"page": page.replace(f"{folder.as_posix()}/", ""), "problems": _problems(found.diagnostics, folder)}
 
 
@@ -115,9 +111,7 @@ def diff(old: Dropped, new: Dropped) -> dict[str, Any]:
     with laid(old, new) as (before, after):
         found = api.diff(_each(before), _each(after))
         data = comparison_data(found, "never")
-        text = output_format("text")
-        assert text is not None  # noqa: S101 - it is shipped
-        shown = text.render("comparison", found, PLAIN).replace(f"{before.as_posix()}/", "old/")
+        shown = shipped_format("text").render("comparison", found, PLAIN).replace(f"{before.as_posix()}/", "old/")
         return {
             "text": shown.replace(f"{after.as_posix()}/", "new/"),
             "summary": data["summary"],

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from plcgen import api
+from plcgen.base.diagnostics import Diagnostic
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.plant import Plant
 
@@ -33,3 +37,16 @@ def sent(plant: Plant) -> list[str]:
     """Requests that the one unit has taken, without their references."""
     (unit,) = plant.units.values()
     return [one.data[1:].hex(" ") for one in unit.journal if one.direction == "write" and not one.status]
+
+
+def noticed(folder: Path, text: str, old: str, new: str) -> list[Diagnostic]:
+    """What verify says of one change of the source of a spec, named ``Plant``, besides that the file was changed."""
+    spec = folder / "job.yaml"
+    spec.write_text(text, "utf-8")
+    assert api.generate(spec, folder / "out").ok
+    source = folder / "out" / "Plant.scl"
+    before = source.read_text("utf-8-sig")
+    assert old in before
+    source.write_text(before.replace(old, new), "utf-8-sig")
+    problems = api.verify(spec, folder / "out", faults="quick").problems
+    return [one for one in problems if not one.span.file.endswith("manifest.json")]

@@ -10,6 +10,7 @@ import pytest
 
 from plcgen import api
 from plcgen.ds47.proof.plant import Plant
+from tests.ds47.proof.playing import noticed
 
 SPEC = """
 units: {cu: {device: sinamics-s120, drives: {a: {ID: 281, drive_object: 3}, b: {ID: 284, drive_object: 4}}}}
@@ -134,19 +135,15 @@ DAMAGE = {
 @pytest.mark.parametrize("damage", DAMAGE)
 def test_damage_is_noticed(damage: str, tmp_path: Path) -> None:
     """One change of a source, and verify is red for another reason than that the file was changed."""
-    spec, (old, new) = tmp_path / "job.yaml", DAMAGE[damage]
-    spec.write_text("""plc: {name: Plant, family: s7-1500, toolchain: tia-v19}
+    found = noticed(
+        tmp_path,
+        """plc: {name: Plant, family: s7-1500, toolchain: tia-v19}
 drives: {a: {device: sinamics-g120, hardware_id: 270}}
 jobs: {watch: {drive: a, read: [r21], cycle: 1s}}
-""")
-    assert api.generate(spec, tmp_path / "out").ok
-    source = tmp_path / "out" / "Plant.scl"
-    text = source.read_text("utf-8-sig")
-    assert old in text
-    source.write_text(text.replace(old, new), "utf-8-sig")
-    found = api.verify(spec, tmp_path / "out", faults="quick")
-    codes = {one.code for one in found.problems if one.span is not None and "manifest" not in str(one.span.file)}
-    assert codes & {"PG614", "PG621", "PG641"}
+""",
+        *DAMAGE[damage],
+    )
+    assert {one.code for one in found} & {"PG614", "PG621", "PG641"}
 
 
 PUMP = """

@@ -8,6 +8,7 @@ import pytest
 
 from plcgen import api
 from plcgen.ds47.plan.nouns import DrivePlan
+from tests.ds47.proof.playing import noticed
 
 SPEC = """plc: {name: Plant, family: s7-1500, toolchain: tia-v19}
 drives: {a: {device: sinamics-s120, hardware_id: 270, drive_object: 3}}
@@ -49,12 +50,5 @@ DAMAGE = {
 @pytest.mark.parametrize("damage", DAMAGE)
 def test_damage_is_noticed(damage: str, tmp_path: Path) -> None:
     """One change of a source, and verify is red."""
-    spec, (old, new) = tmp_path / "job.yaml", DAMAGE[damage]
-    spec.write_text(SPEC)
-    assert api.generate(spec, tmp_path / "out").ok
-    source = tmp_path / "out" / "Plant.scl"
-    text = source.read_text("utf-8-sig")
-    assert old in text
-    source.write_text(text.replace(old, new), "utf-8-sig")
-    found = api.verify(spec, tmp_path / "out", faults="quick").problems
+    found = noticed(tmp_path, SPEC, *DAMAGE[damage])
     assert any(one.code in {"PG620", "PG621", "PG641"} and one.message.startswith("j: ") for one in found)

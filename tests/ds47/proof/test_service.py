@@ -6,11 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from plcgen import api
 from plcgen.ds47.proof.plant import Plant
 from plcgen.ds47.sim.parameters import SimulatedParameter
 from plcgen.ds47.wire.formats import by_name
-from tests.ds47.proof.playing import job_of, sent, status_of
+from tests.ds47.proof.playing import job_of, noticed, sent, status_of
 
 SPEC = """
 units:
@@ -96,15 +95,12 @@ DAMAGE = {
 @pytest.mark.parametrize("damage", DAMAGE)
 def test_damage_is_noticed(damage: str, tmp_path: Path) -> None:
     """One change of a source, and verify is red."""
-    spec, (old, new) = tmp_path / "job.yaml", DAMAGE[damage]
-    spec.write_text("""plc: {name: Plant, family: s7-1500, toolchain: tia-v19}
+    found = noticed(
+        tmp_path,
+        """plc: {name: Plant, family: s7-1500, toolchain: tia-v19}
 drives: {a: {device: sinamics-v90, hardware_id: 270}}
 jobs: {look: {drive: a, service: read}}
-""")
-    assert api.generate(spec, tmp_path / "out").ok
-    source = tmp_path / "out" / "Plant.scl"
-    text = source.read_text("utf-8-sig")
-    assert old in text
-    source.write_text(text.replace(old, new), "utf-8-sig")
-    found = api.verify(spec, tmp_path / "out", faults="quick").problems
+""",
+        *DAMAGE[damage],
+    )
     assert any(one.code in {"PG620", "PG621", "PG641"} and one.message.startswith("look: ") for one in found)

@@ -8,7 +8,7 @@ import pytest
 
 from plcgen import api
 from plcgen.ds47.proof.plant import Plant
-from tests.ds47.proof.playing import ended, job_of, sent
+from tests.ds47.proof.playing import ended, job_of, noticed, sent
 
 SPEC = """
 drives:
@@ -60,21 +60,11 @@ DAMAGE = {
 @pytest.mark.parametrize("damage", DAMAGE)
 def test_damage_is_noticed(damage: str, tmp_path: Path) -> None:
     """One change of a source, and verify is red."""
-    spec, (old, new) = tmp_path / "job.yaml", DAMAGE[damage]
-    spec.write_text("""plc: {name: Plant, family: s7-1500, toolchain: tia-v19}
+    text = """plc: {name: Plant, family: s7-1500, toolchain: tia-v19}
 drives: {a: {device: sinamics-s120, hardware_id: 270}}
 jobs: {look: {drive: a, read: [r899.2]}}
-""")
-    assert api.generate(spec, tmp_path / "out").ok
-    source = tmp_path / "out" / "Plant.scl"
-    text = source.read_text("utf-8-sig")
-    assert old in text
-    source.write_text(text.replace(old, new), "utf-8-sig")
-    assert {one.code for one in api.verify(spec, tmp_path / "out", faults="quick").problems} & {
-        "PG620",
-        "PG621",
-        "PG641",
-    }
+"""
+    assert {one.code for one in noticed(tmp_path, text, *DAMAGE[damage])} & {"PG620", "PG621", "PG641"}
 
 
 def test_a_simulated_run_shows_them(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import io
 import json
 import shutil
@@ -231,8 +232,8 @@ def test_a_file_that_was_edited_is_not_overwritten(folder: Path, server: Server)
     assert file.read_text("utf-8") == "mine"
 
 
-def test_an_edited_file_is_overwritten_only_by_its_name(folder: Path, server: Server) -> None:
-    """Agreeing to another file, or to one of two, overwrites nothing; agreeing to all in the way writes them."""
+def test_an_edited_file_is_overwritten_only_as_it_was_agreed(folder: Path, server: Server) -> None:
+    """Agreeing to another file, to one of two, or to what was there before overwrites nothing; to all of it, all."""
     asked = {**now(folder, FAQ), "known": server.told("read", {"name": FAQ})["known"]}
     server.told("write", asked)
     out = folder / "s7-300_6ra80_dp_tia_generated"
@@ -241,12 +242,14 @@ def test_an_edited_file_is_overwritten_only_by_its_name(folder: Path, server: Se
     for file in (source, guide):
         file.write_text("mine", "utf-8")
     both = sorted([source.name, guide.name])
-    for agreed in ([], ["other.scl"], [source.name]):
+    held = {name: hashlib.sha256(b"mine").hexdigest() for name in both}
+    before = held | {guide.name: hashlib.sha256(b"mine, too").hexdigest()}
+    for agreed in ({}, {"other.scl": held[guide.name]}, {source.name: held[source.name]}, before):
         done = server.told("write", {**asked, "overwrite": agreed})
         assert (done["ok"], sorted(one["path"] for one in done["in_the_way"])) == (False, both)
         assert all("changed" in one["why"] for one in done["in_the_way"])
         assert [file.read_text("utf-8") for file in (source, guide)] == ["mine", "mine"]
-    done = server.told("write", {**asked, "overwrite": both})
+    done = server.told("write", {**asked, "overwrite": held})
     assert (done["ok"], sorted(done["written"]), done["in_the_way"]) == (True, both, [])
     assert {one["state"] for one in server.told("becomes", now(folder, FAQ))["files"]} == {"same"}
 
@@ -261,7 +264,7 @@ def test_what_a_name_does_not_cover_is_never_overwritten(what: str, folder: Path
     else:
         (out / "IMPORT.md").mkdir(parents=True)
     before = {file: file.read_bytes() for file in out.rglob("*") if file.is_file()}
-    done = server.told("write", {**asked, "overwrite": ["IMPORT.md", "manifest.json"]})
+    done = server.told("write", {**asked, "overwrite": {"IMPORT.md": "", "manifest.json": ""}})
     assert (done["ok"], done["in_the_way"]) == (False, [])
     assert {file: file.read_bytes() for file in out.rglob("*") if file.is_file()} == before
 

@@ -27,7 +27,7 @@ export async function writeFiles(desk, written) {
       h("ul", { id: "in-the-way" }, files.map((one) => h("li", {}, h("code", {}, one.path), h("small", {}, ` ${one.why}`)))),
       h("form", { method: "dialog", class: "buttons" },
         h("button", { class: "main" }, word("keepMine")),
-        h("button", { type: "button", id: "overwrite", onclick: () => go(files.map((one) => one.path)) }, word("overwrite")),
+        h("button", { type: "button", id: "overwrite", onclick: () => go(Object.fromEntries(files.map((one) => [one.path, one.held]))) }, word("overwrite")),
         h("button", { type: "button", onclick: () => { dialog.close(); zip(desk); } }, word("zipInstead"))));
     dialog.showModal();
   };
@@ -37,7 +37,7 @@ export async function writeFiles(desk, written) {
       h("dt", {}, word("files")), h("dd", {}, `${count("new")} ${word("new")}, ${count("changed")} ${word("changed")}, ${count("same")} ${word("same")}`)),
     h("p", { class: "quiet" }, word("writeRule")),
     h("form", { method: "dialog", class: "buttons" },
-      h("button", { class: "main", type: "button", id: "write-now", onclick: () => go([]) }, word("writeNow")),
+      h("button", { class: "main", type: "button", id: "write-now", onclick: () => go({}) }, word("writeNow")),
       h("button", { type: "button", onclick: () => { dialog.close(); zip(desk); } }, word("zipInstead")),
       h("button", {}, word("cancel"))));
   dialog.showModal();

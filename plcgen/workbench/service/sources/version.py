@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections import ChainMap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -91,7 +90,7 @@ class SourceState:
     @cached_property
     def types(self) -> Mapping[str, Block]:
         """Every block that it can name: its own, those of other files."""
-        return ChainMap(dict(self.own), self.around)  # type: ignore[arg-type]
+        return {**self.around, **self.own}
 
     def offset(self, line: int, column: int) -> int:
         """Character offset of a place."""
