@@ -155,10 +155,13 @@ def _wait_limit_exact(field: JobField) -> None:
     field.give(2, WRITE_SPLIT, slot=3, drive_object=3, timeout=60_000)
     field.rig.call(ORDERS[0])
     field.rig.plan.set("waitLimit", 2000)
-    field.rig.bus.write_busy = 500
     field.step()
+    field.start(1)
+    field.expect(field.until_end((1,)), {1: (DONE,)})
+    field.drop(1)
+    field.rig.bus.write_busy = 700
     field.start(2)
-    field.steps(10)
+    field.steps(100)  # a slot that was served and does not ask does not wait
     for _ in range(2):  # the second one waits in a slot that has waited before
         field.start(1)
         for length in (*[0] * FREES, *[10] * 199, 9, *[0] * FREES):
