@@ -13,7 +13,7 @@ from pydantic import AfterValidator, Field, ValidationInfo
 from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.base.files.printed import Name, Printed, Value
 from plcgen.base.files.validation import StrictModel, problem
-from plcgen.ds47 import effects, lists
+from plcgen.ds47 import effects, guards, lists
 from plcgen.ds47.objects import CONTROL_UNIT_TYPE, OTHER, kindred, single_types
 from plcgen.ds47.references import parse_reference
 from plcgen.ds47.types import TypeTextError, read_type
@@ -373,6 +373,15 @@ class Device:
         known = self.parameters.get(pnu)
         own = known.dangerous if known is not None else ""
         return own or effects.danger(pnu, (object_type, self.key, self.like), values)
+
+    def harmless(self, object_type: str) -> set[int]:
+        """Numbers of which a write is known to be harmless in a drive object of a type, whatever the value.
+
+        What only other families say of a number does not count: it may be another parameter here.
+        """
+        said = effects.harmless((object_type, self.key, self.like))
+        said |= {pnu for pnu, one in self.parameters.items() if one.harmless}
+        return said - {pnu for pnu, one in self.parameters.items() if one.dangerous} - guards.NOT_SERVED
 
     def left_to_chance(self, pnu: int, object_type: str = "") -> str:
         """Why nobody's choice must not be written to a number: its class of effect; empty if it may."""

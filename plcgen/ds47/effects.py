@@ -9,7 +9,7 @@ that no list names. docs/devices.md explains how the table is made.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -131,13 +131,23 @@ def effects(pnu: int, called: Collection[str]) -> tuple[Effect, ...]:
     its neighbours do. ``called`` are its profile, the one that this is like, and the type of the drive object.
     """
     said = _table().get(pnu, ())
-    listed = [effect for effect in said if effect.families]
+    return _near(said, called) or tuple(effect for effect in said if effect.families) or tuple(said)
+
+
+def _near(said: Iterable[Effect], called: Collection[str]) -> tuple[Effect, ...]:
+    """What is said in the family of a drive, else in those that are like it."""
     own = _family(called)
     for keys in ({own}, set(families()[own].like)) if own else ():
-        found = [effect for effect in listed if effect.families & keys]
+        found = tuple(effect for effect in said if effect.families & keys)
         if found:
-            return tuple(found)
-    return tuple(listed or said)
+            return found
+    return ()
+
+
+def harmless(called: Collection[str]) -> set[int]:
+    """Numbers of which the family of a drive, or one that is like it, says that no write of any value asks."""
+    near = ((pnu, _near(said, called)) for pnu, said in _table().items())
+    return {pnu for pnu, found in near if found and not any(one.reason.asks for one in found)}
 
 
 def left_to_chance(pnu: int, called: Collection[str]) -> str:

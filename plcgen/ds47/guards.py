@@ -12,7 +12,8 @@ _NO_SAFETY = frozenset(
 )
 """Topology, licences and logbook, which have numbers between those of Safety (list of the control units)."""
 
-SAFETY = frozenset({3117, *range(9300, 9400), *range(9500, 10_300), 60_022}) - _NO_SAFETY
+_ALL_SAFETY = frozenset({3117, *range(9300, 9400), *range(9500, 10_300), 60_022})
+SAFETY = _ALL_SAFETY - _NO_SAFETY
 """Safety Integrated: monitoring limits in both channels, terminals, brake test, checksums, passwords, PROFIsafe.
 
 Source: lists of parameters in the TIA Portal information system (VECTOR, S210): SI in the title, or the group.
@@ -24,6 +25,8 @@ READ_ONLY = frozenset({944, 945, 947, 948, 949, 964, 965, 975})
 TRIGGERS = frozenset({15, 970, 971, 972, 973, 974, 976, 977, 3900, 3981})
 """Writing these starts something: whether it happened cannot be told by writing again. p3981 acknowledges faults."""
 
+NOT_SERVED = _ALL_SAFETY | TRIGGERS | READ_ONLY
+"""What a service never writes: what other kinds of jobs start (save, reset, acknowledge), Safety, displays."""
 
 SET_BACK = TRIGGERS | {10}
 """What a drive sets back automatically, so that a read says nothing about what was written. p0010 returns to 0 when

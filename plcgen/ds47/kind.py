@@ -138,6 +138,7 @@ class JobKind:
     itself would say of each; ``bits``: an item may be a bit of a word;
     ``read_back``: a job may have ``verify: readback`` and ``on_error``; ``sets_clock`` says what it does;
     ``serves``: which parameter is read comes from inputs, its type from the answer, and ``items`` say where they begin;
+    ``changes``: its inputs may say what is written, too;
     ``on`` makes of the accesses those that a drive takes, of which it asks whether it is known to have a parameter;
     ``unfit`` says what is wrong with the first access, whose parameter is this one, on a device with these parameters.
     ``runs_on`` are parameters of it that are not what was written when they are read, and why; ``instead`` says of a
@@ -170,6 +171,7 @@ class JobKind:
     on: Callable[[Items, Callable[[str], bool]], Items] | None = None
     sets_clock: bool = False
     serves: bool = False
+    changes: Callable[[Any], bool] = lambda _: False
     place: int = 1000
     runs_on: Mapping[int, str] = field(default_factory=dict)
     instead: Mapping[int, tuple[int, str]] = field(default_factory=dict)

@@ -60,6 +60,10 @@ STATUS_WORDS: tuple[tuple[str, int, str], ...] = (
     ("STATUS_NO_RECORD", 0x8540, "refused: the recipe has no record with this number"),
     ("STATUS_OUTSIDE", 0x8541, "refused: a value of the record is outside its limits, see failedParameter"),
     ("STATUS_NO_REQUEST", 0x8550, "refused: number, index, count or axis is out of range"),
+    ("STATUS_NOT_ENABLED", 0x8551, "refused: a write, and enableWrite is FALSE"),
+    ("STATUS_NOT_PERMITTED", 0x8552, "refused: the number may not be written, or axis is another drive object"),
+    ("STATUS_NOT_WRITABLE", 0x8553, "refused: values of the type writeFormat are not written"),
+    ("STATUS_NO_VALUE", 0x8554, "refused: the value does not fit the type, or is no number"),
 )
 
 _TICKET = {"DONE", "IDLE", "STARTED", "RUNNING", "OCCUPIED", "LOST", "NOT_CALLED", "NO_SLOT", "SLOT_TAKEN"}
@@ -81,8 +85,8 @@ RESTORE_WORDS = tuple(row for row in STATUS_WORDS if row[1] in range(0x8530, 0x8
 """What only a job that restores reports."""
 RECIPE_WORDS = tuple(row for row in STATUS_WORDS if row[1] in {0x8540, 0x8541})
 """What only a job with a recipe reports: the second one if it writes."""
-SERVICE_WORDS = tuple(row for row in STATUS_WORDS if row[1] == 0x8550)
-"""What only a service job reports."""
+SERVICE_WORDS = tuple(row for row in STATUS_WORDS if row[1] in range(0x8550, 0x8555))
+"""What only a service job reports: but for the first one only if it writes."""
 ERROR_DEVIATES = 0x8200
 """In ``errors``: another value was read back than was written."""
 CHANNEL_WORDS = tuple(

@@ -19,8 +19,8 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     ),
     "kind": (
         "read", "shown", "untyped", "main_values", "write", "input", "bits", "readback", "saved", "restore", "save",
-        "faults", "alarms", "service", "acknowledge", "compare", "steps", "until", "activate", "clock", "write_recipe",
-        "read_recipe", "compare_recipe",
+        "faults", "alarms", "service", "served", "acknowledge", "compare", "steps", "until", "activate", "clock",
+        "write_recipe", "read_recipe", "compare_recipe",
     ),
     "type": (
         "Boolean", "Integer8", "Integer16", "Integer32", "Integer64", "Unsigned8", "Unsigned16", "Unsigned32",
@@ -103,6 +103,7 @@ def _kind(kind: str, parameter: str, value: Any) -> dict[str, Any]:
         "faults": {"faults": "current"},
         "alarms": {"alarms": "current"},
         "service": {"service": "read"},
+        "served": {"service": {"write": True}, "allow": {"P42990": "tried"}},
         "acknowledge": {"acknowledge": True},
         "compare": {"compare": several},
         "steps": {"sequence": [{"write": several}, {"read": [parameter]}, {"write": {"P42990": None}}]},

@@ -20,7 +20,7 @@ WHOLE = ("sinamics-g130", "sinamics-g150", "sinamics-s150", "sinamics-s210")
 RECIPES = ("write_recipe", "read_recipe", "compare_recipe")
 LISTS = (
     "bits", "readback", "saved", "restore", "save", "faults", "alarms", "acknowledge", "compare", "steps", "until",
-    "activate", "clock", "untyped", "service", *RECIPES,
+    "activate", "clock", "untyped", "service", "served", *RECIPES,
 )  # fmt: skip
 """Kinds of more than one telegram, or that deliver a list, or whose answers have no fixed places."""
 WRITERS = (
@@ -53,7 +53,7 @@ DRIVES: tuple[Refusal, ...] = (
     ((OWN, ("kind", ("input",)), ("type", ("Float64",)), ("family", ("s7-1200", "s7-1500"))), "PG223"),
     ((OWN, ("kind", ("input",)), ("type", ("Integer64", "Unsigned64")), ("family", ("s7-1500",))), "PG223"),
     ((("kind", WRITERS), ("cycle", ("100ms", "1s", "1h"))), "PG264"),
-    ((("kind", ("service",)), ("cycle", ("100ms", "1s", "1h"))), "PG264"),
+    ((("kind", ("service", "served")), ("cycle", ("100ms", "1s", "1h"))), "PG264"),
     ((("kind", ("untyped",)), ("device", WHOLE)), "PG262"),
     ((("kind", ("main_values",)), ("device", ("profidrive", "sinamics-dcp", "./acme.yaml"))), "PG248"),
     ((("kind", ("faults", "alarms", "acknowledge", "activate", "clock")), ("device", ("./acme.yaml",))), "PG248"),

@@ -108,7 +108,7 @@ class Use:
     ``count`` values of ``format`` (for string formats: octets), ``elements`` the byte in the address of an unsplit
     access, ``data`` the constant, start value or wanted value as wire bytes, ``sources`` whether values are BICO values
     with a drive object. ``path`` is the place in the spec and ``item`` what stands there; ``position`` is that in
-    ``errors``, from 1, ``step`` the step of a sequence, 0 in other jobs.
+    ``errors``, from 1, ``step`` the step of a sequence, 0 in other jobs. ``served``: inputs name the parameter.
     """
 
     position: int
@@ -125,6 +125,7 @@ class Use:
     item: ReadItem | WriteItem
     role: Role = Read()
     step: int = 0
+    served: bool = False
 
     def as_(self, role: type[_Role]) -> _Role | None:
         """Its role, if it is of this type."""
@@ -206,6 +207,8 @@ class Use:
     @property
     def place(self) -> str:
         """The same without bits."""
+        if self.served:
+            return "number[index]"
         base = f"{'r' if self.parameter.access == 'r' else 'P'}{self.parameter.pnu}"
         if self.first is None:
             return base

@@ -19,6 +19,7 @@ from plcgen.ds47.plan.nouns import (
     DriveJob,
     DriveTelegram,
     MessageList,
+    Permitted,
     PlannedDrive,
     PlannedRecipe,
     PlannedUnit,
@@ -27,6 +28,7 @@ from plcgen.ds47.plan.recipes import Recipes
 from plcgen.ds47.plan.steps import divided
 from plcgen.ds47.plan.types import element_type
 from plcgen.ds47.plan.uses import UseResolver
+from plcgen.ds47.references import number_of
 from plcgen.ds47.schema import BufferSettings as BufferSpec
 from plcgen.ds47.schema import DriveSections, JobEntry
 from plcgen.ds47.wire.codec import encode_request
@@ -108,6 +110,7 @@ class DriveJobPlanner:
         size = footprint(uses, telegrams, listed)
         recipe = self._recipe(job, kind, key, uses, first)
         then = kind_behind(job, kind)
+        permitted = _permitted(job, name, drives, numbering, path) if kind.changes(getattr(job, kind.key)) else None
         return tuple(
             DriveJob(
                 key=f"{key}.{drive.key}" if many else key,
@@ -134,6 +137,7 @@ class DriveJobPlanner:
                 recipe=recipe,
                 then="" if then is None else then.key,
                 cycle=job.cycle or 0,
+                permitted=permitted,
                 comment=job.comment or {},
                 path=path,
             )
@@ -224,6 +228,21 @@ def _listed(
     if kind.messages is None:
         return DeviationList(type_, min(sum(use.count for use in uses), _PLACES))
     return MessageList(kind.key, f"{kind.key.removesuffix('s')}Count", type_, kind.messages(getattr(job, kind.key)))
+
+
+def _permitted(
+    job: JobEntry, name: str, drives: Sequence[PlannedDrive], numbering: Numbering, path: SpecPath
+) -> Permitted:
+    """What is harmless in every drive of a service, and what the job signs."""
+    known = (drive.device.harmless(drive.object_type) for drive in drives)
+    named = frozenset(pnu for text in job.allow if (pnu := number_of(text)) is not None) - guards.NOT_SERVED
+    ranges: list[tuple[int, int]] = []
+    for pnu in sorted(set.intersection(*known) | named):
+        if ranges and ranges[-1][1] == pnu - 1:
+            ranges[-1] = (ranges[-1][0], pnu)
+        else:
+            ranges.append((pnu, pnu))
+    return Permitted(numbering.block("DB", f"{name}_Numbers", path), tuple(ranges), named)
 
 
 def _report_shared_flags(key: str, drives: int, loaded: LoadedSpec, path: SpecPath, report: Report) -> None:

@@ -162,6 +162,15 @@ class PlannedRecipe:
 
 
 @dataclass(frozen=True, slots=True)
+class Permitted:
+    """Numbers that a service may write, as ascending ranges in a data block; ``named``: those that the spec names."""
+
+    db: BlockRef
+    ranges: tuple[tuple[int, int], ...]
+    named: frozenset[int]
+
+
+@dataclass(frozen=True, slots=True)
 class DriveCaller:
     """A function block that calls a part of the jobs, its instance DB, and the DB with their commands and results.
 
@@ -188,7 +197,7 @@ class DriveJob(PlannedJob):
     grades. Instances whose drives know them alike have the same ``own``.
     ``diagnosis`` is the type of what is told of a failure. ``then`` is the kind of what it does behind its own, if any.
     ``clock`` is the type of the time at its input, if it sets a clock. ``cycle`` is the time in ms from one start to
-    the next, 0 if only an edge starts it.
+    the next, 0 if only an edge starts it. ``permitted``: what a service that writes may write.
     """
 
     link: PlannedDrive
@@ -210,6 +219,7 @@ class DriveJob(PlannedJob):
     recipe: PlannedRecipe | None = None
     then: str = ""
     cycle: int = 0
+    permitted: Permitted | None = None
 
     @property
     def drive(self) -> PlannedDrive:

@@ -46,6 +46,7 @@ def plan_drives(protocol: Protocol, loaded: LoadedSpec, numbering: Numbering, re
     used = {job.drive.unit.key for job in jobs}
     first, *others = callers.found
     blocks = [*engine.blocks(), first.block, first.instance, *(unit.db for unit in units if unit.key in used)]
+    blocks += {job.shape: job.permitted.db for job in jobs if job.permitted is not None}.values()
     blocks += [ref for recipe in recipes.found.values() for ref in (recipe.type, recipe.db)]
     seen: set[str] = set()
     for one in jobs:

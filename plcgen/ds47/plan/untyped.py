@@ -47,7 +47,7 @@ def named_later(item: ReadItem | WriteItem, path: SpecPath) -> Use:
     return Use(
         position=1, parameter=parameter, format=formats.FROM_ANSWER, first=reference.first, elements=1, count=1,
         data=bytes(formats.FROM_ANSWER.size), sources=False, member=item.as_ or "value", comment={}, path=path,
-        item=item,
+        item=item, served=True,
     )  # fmt: skip
 
 

@@ -17,6 +17,7 @@ from plcgen.ds47.proof.cycles import AGE, cycle_signals
 from plcgen.ds47.proof.records import NUMBER, recipe_signals
 from plcgen.ds47.proof.restoration import CAUSE
 from plcgen.ds47.proof.step_facts import FAILED
+from plcgen.ds47.proof.wording.grounds import service_numbers, stated_of
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.proof.rig import Spot
@@ -37,6 +38,31 @@ def check_commands(plan: DrivePlan, folder: Folder) -> Iterator[Check]:
 
     for recipe in plan.recipes:
         yield from _check_records(recipe, folder)
+    for job in plan.shapes:
+        if job.permitted is not None:
+            yield from _check_numbers(plan, job, job.permitted.db.name, folder)
+
+
+def _check_numbers(plan: DrivePlan, job: DriveJob, name: str, folder: Folder) -> Iterator[Check]:
+    """What a service may write is what spec and table of effects say, range by range."""
+    block = folder.text.get(name.upper())
+    if block is None:
+        return  # what is missing is told elsewhere
+    problems = []
+    try:
+        start = bytes(image(block, folder.text))
+        edges = [int.from_bytes(start[at : at + 4], signed=True) for at in range(0, len(start), 4)]
+        if edges != sorted(edges):
+            problems.append("the ranges do not ascend")
+        pairs = zip(edges[::2], edges[1::2], strict=True)
+        found = {number for first, last in pairs for number in range(max(first, 0), min(last, 0xFFFF) + 1)}
+        wanted, _ = service_numbers(plan, stated_of(plan), job)
+        problems += [
+            f"{number} {'may not' if number in found else 'may'} be written" for number in sorted(found ^ wanted)
+        ]
+    except (DiagnosticError, LiteralError, ValueError, KeyError) as problem:
+        problems = [str(problem)]
+    yield _verdict(name, f"{len(wanted)} numbers", problems, "every number that may be written", folder)
 
 
 def _check_records(recipe: PlannedRecipe, folder: Folder) -> Iterator[Check]:

@@ -168,7 +168,7 @@ def check_wire(
         at = found
         if not data[0]:
             raise ScenarioError("a request has the reference 0")
-    if status in {WORDS["NO_TIME"], WORDS["NO_REQUEST"]} and rig.drive.journal:
+    if status in {WORDS["NO_TIME"], *range(WORDS["NO_REQUEST"], WORDS["NO_VALUE"] + 1)} and rig.drive.journal:
         raise ScenarioError("a start that is refused sends something")
     if status in {DONE, WORDS["CHANGED"]} and len(requests) - 1 not in at:
         raise ScenarioError(f"{max(at) + 1} of {len(requests)} telegrams were sent")

@@ -190,6 +190,8 @@ class JobRig:
             self.db.put(member, data)
         for name, number in self.asked.inputs().items() if self.job.serves else ():
             self.db.set(name, number)
+        for name, data in self.asked.more().items() if self.job.permitted is not None else ():
+            self.db.put(name, data)
         if self.records is not None:
             self.db.set(NUMBER, self.records.number)
             self.records.put(self.values.given)
@@ -203,6 +205,8 @@ class JobRig:
             self.db.put(member, bytes(byte ^ 0xFF for byte in data))
         for name, number in self.asked.inputs().items() if self.job.serves else ():
             self.db.set(name, number ^ 2)
+        for name, data in self.asked.more().items() if self.job.permitted is not None else ():
+            self.db.put(name, bytes(byte ^ 1 for byte in data))
         if self.records is not None:
             self.db.set(NUMBER, self.records.number % self.records.count + 1)
             if not self.job.stores:

@@ -86,6 +86,7 @@ def _caller(plan: DrivePlan, job: DriveJob, name: str, jobs: dict[str, tuple[int
     for key, (unit, _, (request, response)) in jobs.items():
         own = f'requestDb := "{request}", responseDb := "{response}", ' if job.pinned else ""
         own += "" if job.recipe is None else f"records := #{key}Records, "
+        own += f'numbers := "{job.permitted.db.name}".numbers, ' if job.permitted is not None else ""
         own += f"diagnosis := #{key}Diagnosis, "
         calls.append(f'#{key}({own}unit := "{UNITS[unit]}".unit);')
     calls.append("IF NOT #jobsOnly THEN")

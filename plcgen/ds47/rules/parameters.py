@@ -95,6 +95,9 @@ def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
     for job in plan.shapes:
         spec = plan.entry(job)
         written = {use.parameter.pnu for use in job.uses if use.writes}
+        if job.permitted is not None:
+            written |= job.permitted.named
+            yield from _service(plan, job)
         for key in ("allow", "allow_safety"):
             for text in getattr(spec, key):
                 if number_of(text) not in written:
@@ -105,6 +108,28 @@ def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
                         Severity.WARNING,
                         help=f"remove it from {key}",
                     )
+
+
+def _service(plan: DrivePlan, job: DriveJob) -> Iterator[Diagnostic]:
+    """What a service cannot be permitted to write, and one that may not write anything."""
+    assert job.permitted is not None  # noqa: S101 - of such jobs only
+    keys = [(key, text) for key in ("allow", "allow_safety") for text in getattr(plan.entry(job), key)]
+    for key, text in keys:
+        if number_of(text) in guards.NOT_SERVED:
+            yield Diagnostic(
+                "PG219",
+                f"a service does not write {text}: it starts something, is a number of Safety, or can only be read",
+                plan.loaded.key_span((*job.path, key, text)),
+                help="write it in a job of its own: save, acknowledge, activate or write",
+            )
+    if not job.permitted.ranges:
+        device = job.drive.device.key
+        yield Diagnostic(
+            "PG219",
+            f"no number is known to be harmless in {device}, and none is named: the service could not write anything",
+            plan.loaded.key_span((*job.path, "service")),
+            help="name what it may write in the job, with the reason: allow: {P1120: set by the operator}",
+        )
 
 
 def _danger(plan: DrivePlan, job: DriveJob, use: Use) -> str:

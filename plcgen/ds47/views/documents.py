@@ -11,7 +11,7 @@ from plcgen.build.nouns import Contribution, DataBlock, FunctionBlock, GuidePart
 from plcgen.ds47 import guards, hardware
 from plcgen.ds47.effects import UNCLASSIFIED
 from plcgen.ds47.plan.access import Use
-from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, PlannedUnit
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, DriveTelegram, Permitted, PlannedUnit
 from plcgen.ds47.plan.values import literals_text
 from plcgen.ds47.views.calls import CONTROL_TITLES, calls, part
 from plcgen.ds47.views.engine import programs as engine_programs
@@ -79,6 +79,7 @@ def _guide(plan: DrivePlan) -> tuple[list[GuidePart], list[GuidePart]]:
         buffer.db for job in plan.shapes for telegram in job.telegrams for buffer in telegram.buffers if buffer.db
     ]
     writes = [_write_row(plan, job, use) for job in plan.jobs for use in job.own if use.writes]
+    writes += [row for job in plan.jobs if job.permitted is not None for row in _service_rows(plan, job, job.permitted)]
     before: list[GuidePart] = [("ds47/import_drives.md.j2", _identifiers(plan))]
     if numbered:
         before.append(("ds47/import.md.j2", {"numbered": numbered}))
@@ -136,6 +137,24 @@ def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
         "note": "; ".join(notes),
         "safety": use.parameter.pnu in guards.SAFETY,
     }
+
+
+def _service_rows(plan: DrivePlan, job: DriveJob, permitted: Permitted) -> Iterator[dict[str, Any]]:
+    """What a service may write: the numbers of its table, and each one that the spec names."""
+    count = sum(last - first + 1 for first, last in permitted.ranges)
+    row = {"job": job.block.name, "drive": job.drive.key, "value": "input", "safety": False}
+    note = "only while enableWrite is TRUE; limits are not known"
+    yield {**row, "label": f"{count} numbers", "title": f"those of {permitted.db.name}", "note": note}
+    for pnu in sorted(permitted.named):
+        device = job.drive.device
+        danger = device.danger(pnu, None, job.drive.object_type) or ("" if device.classified(pnu) else UNCLASSIFIED)
+        signed = f"signed off: {plan.sign_off(job, pnu)}"
+        yield {
+            **row,
+            "label": f"P{pnu}",
+            "title": "named by the spec",
+            "note": f"{danger}; {signed}" if danger else signed,
+        }
 
 
 def _open(job: DriveJob, use: Use, value: str) -> str:

@@ -181,6 +181,7 @@ def _job(plan: DrivePlan, job: DriveJob, label: str) -> dict[str, Any]:
         "takes_inputs": not any(part.takes_inputs for part in parts),
         "diagnosis": job.diagnosis.name,
         "pinned": job.pinned,
+        "permitted": len(job.permitted.ranges) if job.permitted is not None else 0,
         "many": len(job.telegrams) > 1,
         "telegram_count": len(job.telegrams),
         "title": label,

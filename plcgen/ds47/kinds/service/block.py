@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from plcgen.build.members import plain
-from plcgen.build.nouns import CallerValue
-from plcgen.build.spelling import type_words
+from plcgen.build.members import assignments, plain
+from plcgen.build.nouns import CallerValue, DataBlock
+from plcgen.build.spelling import array_elements, declared_type, type_words
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.ds47.views.parts import BlockParts
 from plcgen.ds47.words import SERVICE_WORDS
+from plcgen.s7.types.data_types import ELEMENTARY, ArrayType
 
 ROOM = 8
 """Bytes of an answer that are kept."""
+NUMBERS = "first and last number of each range, ascending"
 
 
 def asked_values(plan: DrivePlan, job: DriveJob) -> Iterator[CallerValue]:
@@ -29,6 +31,34 @@ def asked_values(plan: DrivePlan, job: DriveJob) -> Iterator[CallerValue]:
         yield CallerValue(plain(plan, name, type_, text, start=start), (("", "DEC"),))
 
 
+def written_values(plan: DrivePlan, job: DriveJob) -> Iterator[CallerValue]:
+    """What is written, and whether anything may be."""
+    words = type_words(tia=not plan.target.v5)
+    for name, type_, shown, text in (
+        ("enableWrite", "BOOL", "Bool", "TRUE: this instance may write; from the program, not from a panel"),
+        ("write", "BOOL", "Bool", "TRUE: the start writes one value, FALSE: it reads"),
+        ("writeFormat", "BYTE", "HEX", "type of the value: 02..08 or 41, 42, 43"),
+        ("writeReal", "REAL", "FloatingPoint", "value of type 08, REAL"),
+        ("writeDint", "DINT", "DEC", "value of types 02 to 06, integers"),
+        ("writeDword", "DWORD", "HEX", "value of types 07 and 41 to 43, at the right"),
+    ):
+        if job.permitted is not None:
+            yield CallerValue(plain(plan, name, words[type_], text), (("", shown),))
+
+
+def number_tables(plan: DrivePlan) -> Iterator[DataBlock]:
+    """The numbers that each service may write."""
+    for job in plan.shapes:
+        if job.permitted is not None:
+            edges = [edge for pair in job.permitted.ranges for edge in pair]
+            type_ = ArrayType(((1, len(edges)),), ELEMENTARY["DINT"])
+            starts = array_elements(type_, b"".join(edge.to_bytes(4) for edge in edges), v5=plan.target.v5)
+            row = plain(plan, "numbers", declared_type(type_, tia=not plan.target.v5), NUMBERS)
+            rows = (row._replace(subs=tuple(starts)),)
+            title = f"Numbers that {job.block.name} may write"
+            yield DataBlock(job.permitted.db, title, rows, assignments(rows), job.comment)
+
+
 def more_values(plan: DrivePlan, job: DriveJob) -> Iterator[CallerValue]:
     """The bits of the first value."""
     words = type_words(tia=not plan.target.v5)
@@ -42,10 +72,12 @@ PARTS = (
         precedence=65,
         has=lambda job: job.serves,
         template="plcgen.ds47.kinds.service:parts.scl.j2",
-        view=lambda _, job: {"room": ROOM, "value": job.uses[0].member},
+        view=lambda _, job: {"room": ROOM, "value": job.uses[0].member, "writes": job.permitted is not None},
         ends=7,
-        words=lambda _: SERVICE_WORDS,
-        inputs=asked_values,
+        words=lambda view: SERVICE_WORDS if view["writes"] else SERVICE_WORDS[:1],
+        inputs=lambda plan, job: (*asked_values(plan, job), *written_values(plan, job)),
+        arguments=lambda job: (("numbers", f'"{job.permitted.db.name}".numbers'),) if job.permitted else (),
+        shared_data=number_tables,
         last_outputs=more_values,
     ),
 )

@@ -68,6 +68,7 @@ class DriveWording:
         self.instances = {caller.instance.name.upper() for caller in plan.callers}
         self.recipes = {recipe.type.name.upper(): recipe for recipe in plan.recipes}
         self.records = {recipe.db.name.upper(): recipe for recipe in plan.recipes}
+        self.numbers = {job.permitted.db.name.upper(): job for job in plan.shapes if job.permitted is not None}
         self.units = {unit.db.name.upper(): unit for unit in plan.units}
         self.diagnoses = {job.diagnosis.name.upper(): job for job in plan.shapes}
         self.entries = {job.listed.type.name.upper(): job for job in plan.shapes if job.listed is not None}
@@ -120,6 +121,8 @@ class DriveWording:
             return _sentence("unit_db", path[-1])
         if name in self.records:
             return _sentence("recipe", path[-1])
+        if name in self.numbers:
+            return _sentence("numbers", path[-1].partition("[")[0])
         if name in self.recipes:
             uses = [use for use in self.recipes[name].uses if use.member == path[-1]]
             return frozenset(one for use in uses for one in value_texts(use, use.label))
@@ -131,7 +134,7 @@ class DriveWording:
         if name in self.records:
             number = int(re.findall(r"\[(\d+)\]", path)[0])
             return frozenset(self.records[name].names[number - 1 : number])
-        return frozenset({""}) if name in self.buffers else None
+        return frozenset({""}) if name in self.buffers or name in self.numbers else None
 
     def meaning(self, name: str) -> Meanings:
         """Texts of the bytes of a telegram."""
@@ -195,6 +198,8 @@ class DriveWording:
             return frozenset({f"Unit {self.units[name].key}: {', '.join(drives[:3])}"})
         if name in self.records:
             return frozenset({f"Records of recipe {self.records[name].key}"})
+        if name in self.numbers:
+            return frozenset({f"Numbers that {self.numbers[name].block.name} may write"})
         for what, callers in (("Calls", self.callers), ("Commands and results", self.controls)):
             if name in callers:
                 part = f"{what} of drive jobs, part {callers[name].number}"
@@ -211,8 +216,8 @@ class DriveWording:
         name = block.name.upper()
         if name in self.buffers:
             return self.buffers[name][0].comment
-        if name in self.entries or name in self.diagnoses:
-            return (self.entries | self.diagnoses)[name].comment
+        if others := (self.entries | self.diagnoses | self.numbers).get(name):
+            return others.comment
         if name in self.recipes:
             return self.recipes[name].comment
         if name in self.units:
@@ -240,6 +245,8 @@ class DriveWording:
         if job.messages is not None:
             history = " and their history" if len(job.messages.settings.latest_last) > 1 else ""
             return frozenset({f"Read the {job.kind} that are present{history}"})
+        if job.permitted is not None:
+            return frozenset({"Service: read any parameter, write harmless ones"})
         own = None if job.kind in _KINDS or job.kind in _TITLES else kind_called(job.kind).title
         if own is not None:  # a kind of another distribution says itself what it is called
             return frozenset({own(getattr(self.plan.entry(job), job.kind))})
@@ -379,6 +386,7 @@ class DriveWording:
                 for _, one in job.shown if one.as_(Form) == Form("format")
             }  # fmt: skip
             formats |= {f"{use.member}Dword": "HEX" for job in self.plan.jobs if job.serves for use in job.uses}
+            formats |= {"writeFormat": "HEX", "writeDword": "HEX"}
             own = {"status": "Hex", "cause": "HEX", "diagnosis": "Hex", **formats}.get(path[1])
             return Shown(own or number or "DEC", "")
         if name not in self.buffers or block.kind is not BlockKind.DB:

@@ -19,7 +19,8 @@ from plcgen.ds47.proof.stated.source import effects, kinds_of_others, spec_sourc
 from plcgen.ds47.proof.wording.naming import line
 from plcgen.oracles.spec.ds47.course import value_bytes
 from plcgen.oracles.spec.ds47.drives import KnownDrive, known_drives
-from plcgen.oracles.spec.ds47.signing import sign_off, values_written
+from plcgen.oracles.spec.ds47.kinds.service import written_numbers
+from plcgen.oracles.spec.ds47.signing import SAFETY, sign_off, values_written
 from plcgen.oracles.spec.ds47.state import shipped_statements, state_jobs
 from plcgen.oracles.spec.ds47.statement import FromInput, Number, Source, StatedAccess, StatedDrive, StatedJob
 from plcgen.oracles.spec.place import NotStatedError, SpecPlace
@@ -57,6 +58,13 @@ class Stated:
             if not signed and (stated is None or stated.kind not in shipped_statements()):
                 signed = plan.sign_off(job, number) or ""
             yield f"{why}; signed off: {signed or 'no'}"
+
+
+def service_numbers(plan: DrivePlan, stated: Stated, job: DriveJob) -> tuple[frozenset[int], dict[int, str]]:
+    """What a service may write on all of its drives, by the spec alone, and what of that the spec names, and why."""
+    drives = [stated.drives[one.drive.key] for one in plan.jobs if one.shape == job.shape]
+    entry = plan.loaded.root.data()["jobs"][job.shape]
+    return written_numbers(entry, [effects().harmless(drive) for drive in drives], SAFETY)
 
 
 _STATED: WeakKeyDictionary[DrivePlan, Stated] = WeakKeyDictionary()

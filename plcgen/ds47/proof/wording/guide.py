@@ -11,7 +11,7 @@ from typing import Any
 
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan, PlannedDrive
-from plcgen.ds47.proof.wording.grounds import Stated
+from plcgen.ds47.proof.wording.grounds import Stated, service_numbers
 from plcgen.ds47.proof.wording.naming import labels, same_number
 from plcgen.ds47.wire.formats import unpack_values
 from plcgen.oracles.spec.ds47.signing import SAFETY
@@ -70,14 +70,25 @@ def _drive(drive: PlannedDrive, *, classic: bool) -> str:
 def behind(plan: DrivePlan, stated: Stated) -> list[GuideLine]:
     """What the blocks write: a row for every parameter of every telegram that is a change, for each drive."""
     rows = [(job, use) for job in plan.jobs for use in job.own if use.writes]
-    if not rows:
+    services = [line for job in plan.jobs if job.permitted is not None for line in _permitted(plan, stated, job)]
+    if not rows and not services:
         return []
-    found = [*map(GuideLine, _said("writes")), *(_written(plan, stated, job, use) for job, use in rows)]
+    found = [*map(GuideLine, _said("writes")), *(_written(plan, stated, job, use) for job, use in rows), *services]
     for job, use in rows:
         if use.parameter.pnu in SAFETY:
             what = {"block": job.block.name, "parameter": labels(job)[use.position], "drive": job.drive.key}
             found += map(GuideLine, _said("safety", **what))
     return [*found, *map(GuideLine, _said("lost"))]
+
+
+def _permitted(plan: DrivePlan, stated: Stated, job: DriveJob) -> Iterator[GuideLine]:
+    """What a service may write, and what the spec names of it, with why that asks and who answers for it."""
+    numbers, named = service_numbers(plan, stated, job)
+    front, notes = f"| {job.block.name} | {job.drive.key}", sentences()["guide"]["service"]
+    yield GuideLine(plain(f"{front} | {len(numbers)} numbers | those of {job.block.name}_Numbers | input | {notes} |"))
+    for number, reason in sorted(named.items()):
+        danger = next(stated.danger(plan, job, number), f"signed off: {reason}")
+        yield GuideLine(plain(f"{front} | P{number} | named by the spec | input | {danger} |"))
 
 
 def _written(plan: DrivePlan, stated: Stated, job: DriveJob, use: Use) -> GuideLine:

@@ -22,6 +22,8 @@ _CONDITION = re.compile(r"(?P<label>\S+) (?P<operator>[=<>]+) (?P<value>.+)")
 
 def label_of(use: Use, number: int, first: int) -> str:
     """``P1120``, ``r945[0..7]``, ``P1030.0, .2``, with number and first index as a request has them."""
+    if use.served:
+        return "number[index]"
     letter = "r" if use.parameter.access == "r" else "P"
     text = f"{letter}{number}"
     if use.first is not None:

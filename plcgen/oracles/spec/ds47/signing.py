@@ -61,6 +61,20 @@ class Effects:
                 return f"{why} (effect: {class_}{self._where(row, set().union(*near))})"
         return "" if number in self.rows or number in drive.catalogue.harmless else UNKNOWN
 
+    def harmless(self, drive: KnownDrive) -> frozenset[int]:
+        """Numbers of which a write of any value never asks, by what the family of the drive says of them, or else
+        those that are like it; by what the profile says.
+        """
+        family = self.family(drive)
+        like = set(self.words["families"][family].get("like", ())) if family else set()
+        found = set(drive.catalogue.harmless)
+        for number, rows in self.rows.items():
+            own = [row for row in rows if family in row.families] or [row for row in rows if row.families & like]
+            classes = {self.words["reasons"][row.reason]["class"] for row in own}
+            if classes and not any(self.words["classes"][one]["asks"] for one in classes):
+                found.add(number)
+        return frozenset(number for number in found if not drive.catalogue.asking.get(number))
+
     def family(self, drive: KnownDrive) -> str:
         """The first family that has the type of the drive object, the device, or one that it is like."""
         called = {drive.object_type, *drive.catalogue.called}
