@@ -20,7 +20,9 @@ from plcgen.ds47.device import Parameter
 from plcgen.ds47.devices import device_names, find_device
 from plcgen.ds47.plan.nouns import DrivePlan
 
-PAGE = (Path(__file__).parents[2] / "docs" / "devices.md").read_text("utf-8")
+PAGE, PAGE_OF_SOURCES = (
+    (Path(__file__).parents[2] / "docs" / f"{name}.md").read_text("utf-8") for name in ("devices", "evidence")
+)
 ACME = """\
 title: Acme
 source: Acme manual
@@ -88,7 +90,7 @@ def test_the_page_counts_what_there_is() -> None:
     """docs/devices.md, facts by grade: their sums, and what rests on a published list."""
     found = tuple(map(sum, zip(*(_count(name) for name in device_names() if not find_device(name).like), strict=True)))
     rows, some, read, inferred, recalled, unknown = found
-    text = " ".join(PAGE.split())
+    text = " ".join((PAGE + PAGE_OF_SOURCES).split())
     assert f"have {rows} rows: {read} facts read, {inferred} inferred, {recalled} recalled" in text
     assert f"{unknown} types are unknown" in text
     assert rows >= 350
