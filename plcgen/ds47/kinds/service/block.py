@@ -72,6 +72,7 @@ PARTS = (
         precedence=65,
         has=lambda job: job.serves,
         template="plcgen.ds47.kinds.service:parts.scl.j2",
+        reserved=frozenset({"numbers"}),
         view=lambda _, job: {"room": ROOM, "value": job.uses[0].member, "writes": job.permitted is not None},
         ends=7,
         words=lambda view: SERVICE_WORDS if view["writes"] else SERVICE_WORDS[:1],
