@@ -59,6 +59,7 @@ def test_documents_for_openness(plcgen):
     assert plcgen("texts", "--format", "xml", "--language", "zh-CN", "--tia", "V19").code == 0
     assert sorted(path.name for path in Path("texts").iterdir()) == [
         "DriveFaultClasses.xml", "DriveJobErrors.xml", "DriveJobStatus.xml", "DriveRecordStatus.xml",
+        "DriveValueFormats.xml",
     ]  # fmt: skip
     root = ET.parse("texts/DriveJobStatus.xml").getroot()  # noqa: S314
     (entry,) = [e for e in root.iter("Hmi.TextGraphicList.TextListEntry") if e.findtext(".//From") == "33793"]
@@ -84,7 +85,7 @@ def test_nothing_lacks_a_translation():
     known = translations()
     assert list(known["status"]) == [word for _, word, _ in STATUS_WORDS]
     assert tuple(known["error"]) == known_numbers()
-    for name in ("status", "result", "error", "fault_class", "record"):
+    for name in ("status", "result", "error", "fault_class", "record", "format"):
         assert all({*texts, "en"} == set(LANGUAGES) for texts in known[name].values()), name
     assert set(known["came"]) == set(LANGUAGES)
 
@@ -102,6 +103,14 @@ def test_a_class_stands_with_both_its_numbers():
     texts = {entry.value: entry.texts["en-US"] for entry in text_lists(["en-US"])[3].entries}
     assert texts[0x900D] == texts[14] == "braking module faulted"
     assert texts[0x9013] == "auxiliary unit faulted"
+
+
+def test_formats_have_their_standard_names():
+    """PROFIdrive: 08h FloatingPoint, 43h double word; 73h was 23h (Danfoss MCA 120); 40h, 44h are no types."""
+    texts = {entry.value: entry.texts["zh-CN"] for entry in text_lists(["zh-CN"])[4].entries}
+    assert (texts[0x08], texts[0x43], texts[0x73], texts[0x23]) == ("FloatingPoint", "DoubleWord", "V2", "V2 (23h)")
+    assert texts.keys().isdisjoint({0x40, 0x44})
+    assert texts[0] == "尚无"
 
 
 def test_every_record_status_has_a_text_of_its_own_meaning():

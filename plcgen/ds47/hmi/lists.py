@@ -14,7 +14,7 @@ from typing import Any
 from plcgen.build.text_lists import TextEntry, TextList
 from plcgen.ds47.messages import all_messages
 from plcgen.ds47.wire.errors import Table, error_text, known_numbers
-from plcgen.ds47.wire.formats import FORMATS
+from plcgen.ds47.wire.formats import FORMATS, OLDER
 from plcgen.ds47.wire.status import explain_word, known_words
 from plcgen.ds47.words import STATUS_WORDS
 
@@ -36,7 +36,7 @@ def translations() -> Mapping[str, Any]:
 
 
 def text_lists(cultures: Sequence[str], errors: Table = "sinamics", families: Sequence[str] = ()) -> list[TextList]:
-    """The four lists, in these cultures; one of a language without texts has the English ones.
+    """The five lists, in these cultures; one of a language without texts has the English ones.
 
     ``errors`` is the table of error numbers that the device has; with the ``families`` of its messages come two lists
     more, DriveFaults and DriveAlarms, whose titles are in English alone.
@@ -46,6 +46,7 @@ def text_lists(cultures: Sequence[str], errors: Table = "sinamics", families: Se
         _list("DriveJobErrors", cultures, _errors(errors)),
         _list("DriveRecordStatus", cultures, _record()),
         _list("DriveFaultClasses", cultures, _classes()),
+        _list("DriveValueFormats", cultures, _formats()),
         *(_list(name, cultures, _messages(kind, families)) for name, kind in _BUFFERS.items() if families),
     ]
 
@@ -93,6 +94,12 @@ def _record() -> Iterator[tuple[int, Mapping[str, str]]]:
     for word in known_words():
         texts = known["record"].get(word, texts)
         yield word, {"en": explain_word(word).text, **texts}
+
+
+def _formats() -> Iterator[tuple[int, Mapping[str, str]]]:
+    """What ``valueFormat`` and ``writeFormat`` of a service may be: the names of types, the same in every language."""
+    yield from translations()["format"].items()
+    yield from ((one.code, {"en": one.name}) for one in (*FORMATS, *OLDER) if one.writable)
 
 
 def _classes() -> Iterator[tuple[int, Mapping[str, str]]]:

@@ -134,7 +134,10 @@ def shown(made: Made, spec: Path, name: str) -> dict[str, Any] | None:
     }
 
 
-_LISTS = {"status": "DriveJobStatus", "recordStatus": "DriveRecordStatus", "errors": "DriveJobErrors"}
+_LISTS = {
+    "status": "DriveJobStatus", "recordStatus": "DriveRecordStatus", "errors": "DriveJobErrors",
+    "valueFormat": "DriveValueFormats", "writeFormat": "DriveValueFormats",
+}  # fmt: skip
 """Text lists by the members of a drive job that they are for: docs/hmi.md."""
 
 
