@@ -6,15 +6,19 @@ all that is needed.
 
 from __future__ import annotations
 
+import atexit
 import base64
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -46,8 +50,8 @@ os.execv(sys.argv[3], sys.argv[3:])
 _MODIFIERS = {"Alt": 1, "Control": 2, "Meta": 4, "Shift": 8}
 
 
-class Page:
-    """One tab. ``problems`` are exceptions and refusals of the browser (policy, missing files) so far."""
+class Browser:
+    """The program, started once per process: each page has a context of its own, with its own storage and cache."""
 
     def __init__(self, room: Path) -> None:
         into, out = os.pipe(), os.pipe()
@@ -61,48 +65,82 @@ class Page:
         os.close(into[0])
         os.close(out[1])
         self._write, self._read = into[1], out[0]
-        self._number, self._rest, self._session = 0, b"", ""
-        self.problems: list[str] = []
-        target = self._call("Target.createTarget", url="about:blank")["targetId"]
-        self._session = self._call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        for domain in ("Page", "Runtime", "Log", "Network"):
-            self._call(f"{domain}.enable")
+        self._number, self._rest = 0, b""
 
     def close(self) -> None:
-        """End the browser."""
+        """End the program."""
         os.close(self._write)
         os.close(self._read)
-        os.killpg(self._process.pid, signal.SIGKILL)
+        with suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait(10)
 
-    def _call(self, method: str, **parameters: Any) -> dict[str, Any]:
+    def send(self, method: str, session: str, parameters: dict[str, Any]) -> int:
+        """Ask for something, in the browser itself or in a page; returns the number of the answer."""
         self._number += 1
-        message: dict[str, Any] = {"id": self._number, "method": method, "params": parameters}
-        if self._session:
-            message["sessionId"] = self._session
-        os.write(self._write, json.dumps(message).encode() + b"\0")
-        while True:
-            found = self._next()
-            if found.get("id") == self._number:
-                assert "error" not in found, (method, found["error"])
-                result: dict[str, Any] = found["result"]
-                return result
+        message = {"id": self._number, "method": method, "params": parameters}
+        os.write(self._write, json.dumps(message | ({"sessionId": session} if session else {})).encode() + b"\0")
+        return self._number
 
-    def _next(self) -> dict[str, Any]:
+    def next(self) -> dict[str, Any]:
+        """What comes next: an answer or an event, of any page."""
         while b"\0" not in self._rest:
             piece = os.read(self._read, 1 << 20)
             assert piece, "the browser has ended"
             self._rest += piece
         text, _, self._rest = self._rest.partition(b"\0")
         found: dict[str, Any] = json.loads(text)
-        if found.get("method") == "Runtime.exceptionThrown":
-            detail = found["params"]["exceptionDetails"]
-            self.problems.append(detail.get("exception", {}).get("description", detail["text"]))
-        elif found.get("method") == "Log.entryAdded" and found["params"]["entry"]["level"] == "error":
-            self.problems.append(found["params"]["entry"]["text"])
-        elif found.get("method") == "Page.javascriptDialogOpening":
-            self.problems.append(f"dialog: {found['params']['message']}")
         return found
+
+
+@cache
+def _browser() -> Browser:
+    """The browser of this process, which ends with it."""
+    room = Path(tempfile.mkdtemp(prefix="plcgen-browser-"))
+    atexit.register(shutil.rmtree, room, ignore_errors=True)
+    found = Browser(room)
+    atexit.register(found.close)
+    return found
+
+
+class Page:
+    """One tab. ``problems`` are exceptions and refusals of the browser (policy, missing files) so far."""
+
+    def __init__(self) -> None:
+        self._browser = _browser()
+        self._session = ""
+        self.problems: list[str] = []
+        self._context = self._call("Target.createBrowserContext")["browserContextId"]
+        target = self._call("Target.createTarget", url="about:blank", browserContextId=self._context)["targetId"]
+        self._session = self._call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self._call(f"{domain}.enable")
+
+    def close(self) -> None:
+        """Close the tab, and forget what it has stored."""
+        self._session = ""
+        self._call("Target.disposeBrowserContext", browserContextId=self._context)
+
+    def _call(self, method: str, **parameters: Any) -> dict[str, Any]:
+        number = self._browser.send(method, self._session, parameters)
+        while True:
+            found = self._browser.next()
+            if found.get("id") == number:
+                assert "error" not in found, (method, found["error"])
+                result: dict[str, Any] = found["result"]
+                return result
+            if found.get("sessionId") == self._session:
+                self._happened(found)
+
+    def _happened(self, event: dict[str, Any]) -> None:
+        """Keep what went wrong."""
+        if event.get("method") == "Runtime.exceptionThrown":
+            detail = event["params"]["exceptionDetails"]
+            self.problems.append(detail.get("exception", {}).get("description", detail["text"]))
+        elif event.get("method") == "Log.entryAdded" and event["params"]["entry"]["level"] == "error":
+            self.problems.append(event["params"]["entry"]["text"])
+        elif event.get("method") == "Page.javascriptDialogOpening":
+            self.problems.append(f"dialog: {event['params']['message']}")
 
     # --- what a user does ------------------------------------------------------------------------------------
 
@@ -197,9 +235,9 @@ class Page:
 
 
 @contextmanager
-def page(room: Path) -> Iterator[Page]:
-    """A browser that ends with the test."""
-    found = Page(room)
+def page() -> Iterator[Page]:
+    """A tab that is closed with the test."""
+    found = Page()
     try:
         yield found
     finally:

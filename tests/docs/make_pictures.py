@@ -54,7 +54,7 @@ def workbench(room: Path, target: Path) -> None:
     text = (ROOT / "specs" / "s7-1500_g120_pn.yaml").read_text("utf-8")
     text = re.sub(r", zh-CN(: [^}]+)?", "", text)  # not every machine has the letters
     (folder / "pump.yaml").write_text(text.replace("hardware_id", "hardware_ident"), "utf-8")
-    with served(folder) as address, page(room) as browser:
+    with served(folder) as address, page() as browser:
         browser.size(1280, 800)
         browser.open(address)
         browser.sees("#problems .error", "hardware_ident")

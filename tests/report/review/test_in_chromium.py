@@ -114,7 +114,7 @@ def test_what_a_reviewer_says_survives_a_reload(tmp_path: Path) -> None:
     target.write_text(show("html", review), "utf-8")
     other.write_text(show("html", replace(review, files_hash="0" * 64)), "utf-8")
     seen = "[document.querySelector('input.box').checked, document.querySelector('#reviewer').innerText]"
-    with browsed(tmp_path / "room") as page:
+    with browsed() as page:
         page.open(target.as_uri())
         page.click("input.box")
         page.click("#reviewer")

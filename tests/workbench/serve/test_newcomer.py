@@ -65,9 +65,9 @@ def folder(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def browser(folder: Path, tmp_path: Path) -> Iterator[Page]:
+def browser(folder: Path) -> Iterator[Page]:
     """The page of it, which begins with a new spec."""
-    with served(folder) as address, page(tmp_path) as found:
+    with served(folder) as address, page() as found:
         found.size(1400)
         found.open(address)
         found.wait("!!document.querySelector('#dialog')?.open")

@@ -40,9 +40,9 @@ def address(folder: Path) -> Iterator[str]:
 
 
 @pytest.fixture
-def browser(address: str, tmp_path: Path) -> Iterator[Page]:
+def browser(address: str) -> Iterator[Page]:
     """The page open at the pump's spec; nothing may have gone wrong in the browser at the end."""
-    with page(tmp_path) as found:
+    with page() as found:
         found.size(1400)
         found.open(address)
         found.wait("document.body?.dataset.ready === 'true'")
@@ -459,7 +459,7 @@ def test_a_page_of_another_site_reaches_nothing(address: str, folder: Path, tmp_
         def __init__(self, *given: object) -> None:
             super().__init__(*given, directory=str(site))
 
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Quiet) as other, page(tmp_path) as found:
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Quiet) as other, page() as found:
         threading.Thread(target=other.serve_forever, daemon=True).start()
         found.open(f"http://127.0.0.1:{other.server_address[1]}/index.html")
         found.wait("window.found !== undefined")
