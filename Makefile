@@ -9,7 +9,7 @@ READY := $(VENV)/.ready
 unexport PYTHONDONTWRITEBYTECODE
 SPECS := $(basename $(notdir $(wildcard specs/*.yaml)))
 
-.PHONY: demo test fast coverage lint hostile fuzz bench house pairs engine mutate deletions beliefs damages examples example-diff docs site pictures editor vsix lock clean
+.PHONY: demo test slow fast sample coverage lint hostile fuzz bench house pairs engine mutate deletions beliefs damages examples example-diff docs site pictures editor vsix lock clean
 
 demo: $(READY)
 	$(BIN)/plcgen demo .demo
@@ -17,8 +17,16 @@ demo: $(READY)
 test: $(READY)
 	$(BIN)/python -m pytest -n auto --dist worksteal -q
 
+slow: $(READY)
+	$(BIN)/python -m pytest -n auto --dist worksteal -q -m slow
+
 fast: $(READY)
 	$(BIN)/python -m pytest -n auto --dist worksteal -q -m "not slow"
+
+# The fast tests of what depends on libraries, and of what is different on every machine.
+SAMPLE := base build cli ds47/live project s7/xml workbench test_cases.py test_schemas.py
+sample: $(READY)
+	$(BIN)/python -m pytest -n auto --dist worksteal -q -m "not slow" $(SAMPLE:%=tests/%)
 
 coverage: $(READY)
 	$(BIN)/python -m pytest -n auto --dist worksteal -q -m "not slow" --cov --cov-report=term:skip-covered

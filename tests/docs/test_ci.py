@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 import yaml
 
+from tests.docs.test_architecture import HOMES
 from tests.projects import FAQ, ROOT
 
 BROKEN = "plc: {name: a}\n"
@@ -136,6 +137,16 @@ def test_a_repository_cannot_weaken_the_hooks(repository: Path) -> None:
     assert run("plcgen lock --check", repository).returncode == 0
     found = run(dict(hooks())["plcgen-lock"], repository)
     assert (found.returncode, "PG903" in found.stderr) == (1, False), found
+
+
+def test_where_libraries_are_used_is_tested_on_every_python() -> None:
+    """The sample has the tests of every room that is the place of a library, and names nothing that is gone."""
+    (line,) = (line for line in (ROOT / "Makefile").read_text("utf-8").splitlines() if line.startswith("SAMPLE := "))
+    sample = [ROOT / "tests" / name for name in line.removeprefix("SAMPLE := ").split()]
+    assert [path for path in sample if not path.exists()] == []
+    assert [
+        home for home in HOMES.values() if not {ROOT / "tests" / home, *(ROOT / "tests" / home).parents} & {*sample}
+    ] == []
 
 
 def test_docker() -> None:
