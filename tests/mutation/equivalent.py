@@ -42,6 +42,9 @@ EQUIVALENT = {
         "between two telegrams nobody looks at the status, and with the next one the time is over, too"
     ),
     r"^DriveChannel: 44 -> 45: IF tempKind >= 33 AND tempKind <= 44": "7Dh is no format, as 2Dh is none",
+    r"^DriveChannel: - -> \+: FOR tempByte := 0 TO tempOwn - 1 DO": (
+        "two bytes more: what fills up, and the head of the next block, which is written later or never read"
+    ),
     r"^DriveChannel: dropped: tempGrant := 0": "what it keeps from being done would do once more what was just done",
     r"^DriveChannel: 0 -> 1: statCount := LIMIT\(MN := 0": "a request has one parameter at least",
     r"^DriveChannel: (0 -> 1|3 -> 4): FOR tempByte := 0 TO 3 DO unit.telegram\[tempByte\] := tem": (
