@@ -81,6 +81,9 @@ def _guide(plan: DrivePlan) -> tuple[list[GuidePart], list[GuidePart]]:
     writes = [_write_row(plan, job, use) for job in plan.jobs for use in job.own if use.writes]
     writes += [row for job in plan.jobs if job.permitted is not None for row in _service_rows(plan, job, job.permitted)]
     before: list[GuidePart] = [("ds47/import_drives.md.j2", _identifiers(plan))]
+    if served := [job for job in plan.jobs if job.serves]:
+        names = [f'"{job.caller.control.name}".{job.member}' for job in served]
+        before.append(("ds47/import_service.md.j2", {"jobs": names, "writes": any(job.permitted for job in served)}))
     if numbered:
         before.append(("ds47/import.md.j2", {"numbered": numbered}))
     return before, [("ds47/import_writes.md.j2", {"writes": writes})] if writes else []
@@ -142,7 +145,7 @@ def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
 def _service_rows(plan: DrivePlan, job: DriveJob, permitted: Permitted) -> Iterator[dict[str, Any]]:
     """What a service may write: the numbers of its table, and each one that the spec names."""
     count = sum(last - first + 1 for first, last in permitted.ranges)
-    row = {"job": job.block.name, "drive": job.drive.key, "value": "input", "safety": False}
+    row = {"job": job.block.name, "drive": job.drive.key, "value": "an input", "safety": False}
     note = "only while enableWrite is TRUE; limits are not known"
     yield {**row, "label": f"{count} numbers", "title": f"those of {permitted.db.name}", "note": note}
     for pnu in sorted(permitted.named):

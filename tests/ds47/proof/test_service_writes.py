@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from pathlib import Path
 
 import pytest
 
 from plcgen import api
+from plcgen.ds47.hmi.lists import text_lists
 from plcgen.ds47.proof.plant import Plant
 from plcgen.ds47.sim.parameters import SimulatedParameter
 from plcgen.ds47.wire.formats import by_name
@@ -146,6 +148,18 @@ jobs:
     numbers = [{n for first, last in found.ranges for n in range(first, last + 1)} for found in (both, one)]
     assert numbers[0] < numbers[1]
     assert (2900 in numbers[0], 2900 in numbers[1], 1460 in numbers[0]) == (False, True, True)
+
+
+def test_the_guide_says_what_a_panel_needs(generate) -> None:
+    """Every input and output of the structure is in its table, the text lists are those of plcgen texts."""
+    made = generate(SPEC, "t15")
+    (section,) = re.findall("## A panel for the service(.*?)(?:\n##|$)", made.files["IMPORT.md"], re.DOTALL)
+    named = set(re.findall(r"`([a-zA-Z]+)[.`]", section))
+    asked = {"execute", "number", "index", "count", "axis", "enableWrite", "write", "writeFormat", "writeReal"}
+    told = {"busy", "done", "error", "status", "diagnosis", "value", "valueFormat", "valueDint", "valueReal"}
+    lists = {one.name for one in text_lists(["en-US"])} - {"DriveFaultClasses"}
+    assert named == asked | told | {"writeDint", "writeDword", "valueDword"} | lists
+    assert '`"DriveJobs".askLeft`, `"DriveJobs".askRight`' in section
 
 
 DAMAGE = {

@@ -22,6 +22,8 @@ from plcgen.proof.wording.model import GuideLine
 OUTPUT, RECORD_47 = 0x8000, 47
 """Bit 15 of the ID of an output address, and of the data records of PROFINET; the data record of PROFIBUS."""
 MOST_VALUES = 4
+PARAMETER = 4
+"""Lines of the panel's table up to the one of the parameter; what is written stands behind them."""
 _OCTET = re.compile(r"(?:B#)?16#[0-9A-F]{2}")
 _SOURCE = re.compile(r"r(?P<number>\d+)\.(?P<index>\d+)(?:@(?P<object>\d+))?")
 SELF = 0x3F
@@ -49,6 +51,11 @@ def guide_before(plan: DrivePlan) -> list[GuideLine]:
     found += _said("errors") if plan.target.classic else []
     found += _said("jobs", controls=", ".join(f"`{one.control.name}`" for one in plan.callers))
     found += [] if plan.target.v5 else _said("by_name")
+    if served := [job for job in plan.jobs if job.serves]:
+        jobs = ", ".join(f'`"{job.caller.control.name}".{job.member}`' for job in served)
+        said = _said("panel", jobs=jobs)
+        more = _said("panel_writes") if any(job.permitted is not None for job in served) else []
+        found += [*said[:PARAMETER], *more, *said[PARAMETER:]]
     numbered = [
         buffer.db for job in plan.shapes for one in job.telegrams for buffer in one.buffers if buffer.db is not None
     ]
@@ -85,10 +92,12 @@ def _permitted(plan: DrivePlan, stated: Stated, job: DriveJob) -> Iterator[Guide
     """What a service may write, and what the spec names of it, with why that asks and who answers for it."""
     numbers, named = service_numbers(plan, stated, job)
     front, notes = f"| {job.block.name} | {job.drive.key}", sentences()["guide"]["service"]
-    yield GuideLine(plain(f"{front} | {len(numbers)} numbers | those of {job.block.name}_Numbers | input | {notes} |"))
+    yield GuideLine(
+        plain(f"{front} | {len(numbers)} numbers | those of {job.block.name}_Numbers | an input | {notes} |")
+    )
     for number, reason in sorted(named.items()):
         danger = next(stated.danger(plan, job, number), f"signed off: {reason}")
-        yield GuideLine(plain(f"{front} | P{number} | named by the spec | input | {danger} |"))
+        yield GuideLine(plain(f"{front} | P{number} | named by the spec | an input | {danger} |"))
 
 
 def _written(plan: DrivePlan, stated: Stated, job: DriveJob, use: Use) -> GuideLine:
