@@ -150,10 +150,14 @@ jobs:
     assert (2900 in numbers[0], 2900 in numbers[1], 1460 in numbers[0]) == (False, True, True)
 
 
-def test_the_guide_says_what_a_panel_needs(generate) -> None:
+def test_the_guide_says_what_a_panel_needs(tmp_path: Path) -> None:
     """Every input and output of the structure is in its table, the text lists are those of plcgen texts."""
-    made = generate(SPEC, "t15")
-    (section,) = re.findall("## A panel for the service(.*?)(?:\n##|$)", made.files["IMPORT.md"], re.DOTALL)
+    spec = tmp_path / "job.yaml"
+    plc = "plc: {name: Plant, family: s7-1500, toolchain: tia-v19}"
+    spec.write_text(f"{plc}\n{SPEC.strip().replace('ID:', 'hardware_id:')}\n", "utf-8")
+    assert api.generate(spec, tmp_path / "out").ok
+    guide = (tmp_path / "out" / "IMPORT.md").read_text("utf-8")
+    section = guide.partition("## A panel for the service")[2].partition("## What")[0]
     named = set(re.findall(r"`([a-zA-Z]+)[.`]", section))
     asked = {"execute", "number", "index", "count", "axis", "enableWrite", "write", "writeFormat", "writeReal"}
     told = {"busy", "done", "error", "status", "diagnosis", "value", "valueFormat", "valueDint", "valueReal"}
