@@ -12,7 +12,7 @@ from plcgen.project.nouns import PlannedJob, Project
 from plcgen.proof.execution import Work, attempt
 from plcgen.proof.rig import ProgramBench
 from plcgen.proof.runner import Run, Runner
-from plcgen.proof.scenario import Failure, ScenarioError
+from plcgen.proof.scenario import Failure, OtherTelegramError, ScenarioError
 from plcgen.proof.suite import Bed, Procedure, Suite
 from plcgen.s7.cpu.cpu import Cpu
 
@@ -43,7 +43,8 @@ class Exchanged(NamedTuple):
 class Replay:
     """The scans of a scenario, which count from 1; ``failure`` None: alone, on a CPU of its own, it does not fail.
 
-    ``jobs`` are the signals of each job by the scan in which they became so.
+    ``jobs`` are the signals of each job by the scan in which they became so, ``telegrams`` what was sent in the last
+    scan and what is stated, if the failure is that they differ.
     """
 
     scenario: str
@@ -51,6 +52,7 @@ class Replay:
     jobs: dict[str, dict[int, Signals]] = field(default_factory=dict)
     exchanges: list[Exchanged] = field(default_factory=list)
     failure: Failure | None = None
+    telegrams: tuple[bytes, ...] = ()
     _seen: dict[int, int] = field(default_factory=dict)
 
     def scan(self, cpu: Cpu, signals: Mapping[str, Signals]) -> None:
@@ -148,6 +150,7 @@ def _watched(runner: Runner[Any], scenario: Any, job: PlannedJob) -> Replay:
             run.go()
         except ScenarioError as problem:
             found.failure = runner.failure(run, str(problem))
+            found.telegrams = (problem.found, problem.stated) if isinstance(problem, OtherTelegramError) else ()
             break
     return found
 

@@ -16,6 +16,14 @@ class ScenarioError(PlcgenError):
     """The block did not do what the scenario demands."""
 
 
+class OtherTelegramError(ScenarioError):
+    """A telegram is another one than is stated."""
+
+    def __init__(self, what: str, found: bytes, stated: bytes) -> None:
+        self.found, self.stated = found, stated
+        super().__init__(f"{what} {found.hex(' ').upper()}, not {stated.hex(' ').upper()}")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scenario:
     """One run of a job: circumstances, and what must come out.

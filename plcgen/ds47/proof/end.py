@@ -13,7 +13,7 @@ from plcgen.ds47.proof.rig import JobRig
 from plcgen.ds47.proof.scenario import DriveScenario
 from plcgen.ds47.proof.step_facts import overwritten
 from plcgen.ds47.proof.words import DEVIATES, DONE, NO_ANSWER, WORDS
-from plcgen.proof.scenario import ScenarioError
+from plcgen.proof.scenario import OtherTelegramError, ScenarioError
 
 Result = tuple[int, int]
 """Error and info of a parameter."""
@@ -164,7 +164,7 @@ def check_wire(
             found = after | same & {0, *at}
         if not found:
             wanted = requests[min(max(at) + 1, len(requests) - 1)]
-            raise ScenarioError(f"sent {data.hex(' ').upper()} instead of {wanted.hex(' ').upper()}")
+            raise OtherTelegramError("sent was", data, data[:1] + wanted[1:])
         at = found
         if not data[0]:
             raise ScenarioError("a request has the reference 0")

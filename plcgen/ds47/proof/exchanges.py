@@ -25,7 +25,7 @@ from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.proof.making import Pending
 from plcgen.proof.rig import shown_value
-from plcgen.s7.layout.image import image, read_member
+from plcgen.s7.layout.image import StartValueError, image, read_member, start_place
 from plcgen.s7.layout.layout import layout_block, locate
 from plcgen.s7.layout.shapes import TypeTable
 from plcgen.s7.types.blocks import Block
@@ -38,8 +38,8 @@ RETRY_PAUSE = 200
 class ExchangeError(PlcgenError):
     """A finding that ends the check of one telegram."""
 
-    def __init__(self, code: str, message: str) -> None:
-        self.code = code
+    def __init__(self, code: str, message: str, place: Span | None = None) -> None:
+        self.code, self.place = code, place
         super().__init__(message)
 
 
@@ -52,6 +52,7 @@ def check_telegrams(plan: DrivePlan, folder: Folder) -> Iterator[Pending]:
 
             def run(job: DriveJob = job, telegram: DriveTelegram = telegram) -> str:
                 data = request_image(plan, folder, job, telegram)
+                _agree(folder, job, telegram, ("start", data), ("telegram", telegram.request.data))
                 _check_request(job, telegram, data)
                 return "start values form exactly this telegram"
 
@@ -101,14 +102,14 @@ def _run(id_: str, subject: str, text: str, place: Callable[[], Span], run: Call
     try:
         return Check(id_, subject, text, Outcome.OK, run())
     except ExchangeError as finding:
-        code, message = finding.code, str(finding)
+        code, message, line = finding.code, str(finding), finding.place
     except DiagnosticError as problem:
-        code, message = problem.diagnostics[0].code, problem.diagnostics[0].message
-    except LiteralError as problem:
-        code, message = "PG604", str(problem)
-    except TelegramError as problem:
-        code, message = "PG604", str(problem)
-    return Check(id_, subject, text, Outcome.ERROR, message, Diagnostic(code, message, place()))
+        code, message, line = problem.diagnostics[0].code, problem.diagnostics[0].message, problem.diagnostics[0].span
+    except StartValueError as problem:
+        code, message, line = "PG604", str(problem), problem.span
+    except (LiteralError, TelegramError) as problem:
+        code, message, line = "PG604", str(problem), None
+    return Check(id_, subject, text, Outcome.ERROR, message, Diagnostic(code, message, line or place()))
 
 
 def telegram_name(job: DriveJob, telegram: DriveTelegram) -> str:
@@ -132,11 +133,19 @@ def request_image(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: Driv
     data = _start_values(folder, folder.text, job, telegram)
     if plan.target.xml_version:
         twin = _start_values(folder, folder.xml, job, telegram)
-        if twin != data:
-            raise ExchangeError(
-                "PG604", f"text source and SimaticML differ: {data.hex(' ').upper()} and {twin.hex(' ').upper()}"
-            )
+        _agree(folder, job, telegram, ("text source", data), ("SimaticML", twin))
     return data
+
+
+def _agree(folder: Folder, job: DriveJob, telegram: DriveTelegram, *both: tuple[str, bytes]) -> None:
+    """Raises ExchangeError with the line that says the first byte that differs."""
+    (one, data), (two, other) = both
+    if data == other:
+        return
+    at = next((i for i, (a, b) in enumerate(zip(data, other, strict=False)) if a != b), min(len(data), len(other)))
+    block, first, _ = _buffer(folder, folder.text, job, telegram)
+    message = f"byte {at} differs: {one} {data.hex(' ').upper()}, {two} {other.hex(' ').upper()}"
+    raise ExchangeError("PG604", message, start_place(block, folder.text, first + at))
 
 
 def sound_image(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTelegram) -> bytes | None:
@@ -149,15 +158,21 @@ def sound_image(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveT
 
 
 def _start_values(folder: Folder, blocks: TypeTable, job: DriveJob, telegram: DriveTelegram) -> bytes:
-    """Those of the request DB, or of the array of bytes in the instance of the job."""
+    block, first, size = _buffer(folder, blocks, job, telegram)
+    return bytes(image(block, blocks)[first : first + size])
+
+
+def _buffer(folder: Folder, blocks: TypeTable, job: DriveJob, telegram: DriveTelegram) -> tuple[Block, int, int]:
+    """The request DB, or the instance of the job; first byte and length of the request in it."""
     if telegram.request.db is not None:
-        return bytes(image(_block(folder, blocks, telegram.request.db.name), blocks))
+        block = _block(folder, blocks, telegram.request.db.name)
+        return block, 0, layout_block(block, blocks).size
     block = _block(folder, blocks, job.block.name)
     try:
         entry = locate(layout_block(block, blocks), f"statRequest{suffix(job, telegram)}")
     except KeyError as problem:
         raise ExchangeError("PG604", str(problem.args[0])) from None
-    return bytes(image(block, blocks)[entry.byte : entry.byte + entry.size // 8])
+    return block, entry.byte, entry.size // 8
 
 
 def suffix(job: DriveJob, telegram: DriveTelegram) -> str:
@@ -166,16 +181,7 @@ def suffix(job: DriveJob, telegram: DriveTelegram) -> str:
 
 
 def _check_request(job: DriveJob, telegram: DriveTelegram, data: bytes) -> None:
-    """The image is the planned telegram, and decodes to what the spec asks for."""
-    if data != telegram.request.data:
-        at = next(
-            (i for i, (a, b) in enumerate(zip(data, telegram.request.data, strict=False)) if a != b),
-            min(len(data), len(telegram.request.data)),
-        )
-        raise ExchangeError(
-            "PG604",
-            f"byte {at} differs: start {data.hex(' ').upper()}, telegram {telegram.request.data.hex(' ').upper()}",
-        )
+    """The planned telegram decodes to what the spec asks for."""
     request = decode_request(data)
     if request.request_id != (RequestId.CHANGE if telegram.writes else RequestId.READ) or request.reference == 0:
         raise ExchangeError("PG604", "request id or reference is wrong")

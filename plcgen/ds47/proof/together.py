@@ -19,7 +19,7 @@ from plcgen.ds47.proof.stimulus import own_dbs, pair_fb
 from plcgen.ds47.proof.words import DONE, STEP_MS, WORDS
 from plcgen.ds47.sim.drive import Drive
 from plcgen.ds47.sim.faults import Fault, FaultKind
-from plcgen.proof.rig import Members, file_of, layout_of
+from plcgen.proof.rig import Members, Source, layout_of
 from plcgen.proof.scenario import IDLE, ScenarioError
 from plcgen.proof.suite import Procedure, Reads
 from plcgen.s7.cpu.program import Program
@@ -206,7 +206,8 @@ def _access(plan: DrivePlan, program: Program) -> None:
 
 def _instances(job: DriveJob, number: int, near: int) -> Callable[[Plant], None]:
     def run(plant: Plant) -> None:
-        plant.place = file_of(plant.program, job.block.name), 1
+        source = Source(plant.program, job.block.name)
+        plant.place = source.file, source.line
         for _ in ThreeInstances(plant.plan, plant.program, plant.cpu, job, number).run(near, near // 2):
             plant.scans += 1
 

@@ -22,7 +22,7 @@ from plcgen.ds47.sim.load import value_of
 from plcgen.ds47.sim.parameters import SimulatedParameter
 from plcgen.ds47.texts import dissect_telegram
 from plcgen.ds47.words import DRAIN_MS
-from plcgen.report.trace.face import FaultKind, Observed, PartnerOptions
+from plcgen.report.trace.face import FaultKind, Observed, PartnerOptions, PartnerValue
 from plcgen.report.trace.model import Contact
 from plcgen.report.trace.recorder import SHAPES, RecordingCpu
 from plcgen.s7.cpu.system.bus import Periphery
@@ -64,20 +64,21 @@ class DriveRecording:
         """Of all drives, or of one."""
         return drive_faults(self.partners)
 
-    def contents(self) -> Iterator[tuple[str, str, str]]:
-        """Every parameter that a job accesses: ``drive.P1120``, of an array each element that is accessed first."""
+    def contents(self) -> Iterator[PartnerValue]:
+        """Every parameter that a job accesses: ``drive.P1120``, of an array the element that is accessed first."""
         seen = set[str]()
         for job in self.plan.jobs:
             for use in job.uses:
-                name = f"{job.drive.key}.{use.label}"
-                stored = self._stored(job.drive.key, use.parameter.pnu)
                 at = use.first or 0
+                element = "" if use.first is None else f"[{at}]"
+                name = f"{job.drive.key}.{use.place.partition('[')[0]}{element}"
+                stored = self._stored(job.drive.key, use.parameter.pnu)
                 if name in seen or stored is None or at >= len(stored.values):
                     continue
                 seen.add(name)
                 value = stored.values[at]
                 text = value.hex(" ").upper() if isinstance(value, bytes) else str(value)
-                yield name, f"{use.parameter.title}{f', {use.parameter.unit}' if use.parameter.unit else ''}", text
+                yield PartnerValue(name, use.parameter.title, use.parameter.unit, text)
 
     def put(self, text: str) -> bool:
         """``drive.P1120=5.0``, ``drive.P2900[1]=2``. Raises DiagnosticError."""

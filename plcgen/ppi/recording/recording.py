@@ -26,7 +26,7 @@ from plcgen.ppi.wire.areas import Area
 from plcgen.ppi.wire.codes import return_codes
 from plcgen.ppi.wire.model import FixedFrame, VariableFrame
 from plcgen.ppi.words import DRAIN_MS
-from plcgen.report.trace.face import FaultKind, Observed, PartnerOptions
+from plcgen.report.trace.face import FaultKind, Observed, PartnerOptions, PartnerValue
 from plcgen.report.trace.faults import fault_kinds
 from plcgen.report.trace.model import CallShape, Contact, Direction
 from plcgen.report.trace.recorder import RecordingCpu
@@ -103,7 +103,7 @@ class PpiRecording:
         codes = [(f"16#{code:02X}", meaning.text) for code, meaning in return_codes().items() if code != 0xFF]
         return fault_kinds(FaultKeys, KINDS, {"code": codes, "station": list(stations.items())})
 
-    def contents(self) -> Iterator[tuple[str, str, str]]:
+    def contents(self) -> Iterator[PartnerValue]:
         """Every address that a job accesses: ``line/2:VW100``."""
         seen = set[str]()
         for master in self.plan.masters:
@@ -115,7 +115,7 @@ class PpiRecording:
                         seen.add(name)
                         found = decode_value(value.item, station.cpu.memory.read(value.item).data)
                         text = found.hex(" ").upper() if isinstance(found, bytes) else str(found)
-                        yield name, f"{job.station.key} {value.title}".strip(), text
+                        yield PartnerValue(name, f"{job.station.key} {value.title}".strip(), "", text)
 
     def put(self, text: str) -> bool:
         """``line/2:VW100=5``. Raises DiagnosticError."""

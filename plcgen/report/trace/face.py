@@ -85,6 +85,16 @@ class FaultKey:
     known: tuple[tuple[str, str], ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class PartnerValue:
+    """A value of a partner as it is now: ``name`` as :meth:`Recording.put` takes it."""
+
+    name: str
+    title: str
+    unit: str
+    value: str
+
+
 class PendingFault(Protocol):
     """A fault that waits for its occasions: ``times`` are left, None for all; with 0 it is spent."""
 
@@ -186,8 +196,8 @@ class Recording(Protocol):
     def attach(self, cpu: RecordingCpu) -> Recorded:
         """Watch a CPU that has started."""
 
-    def contents(self) -> Iterator[tuple[str, str, str]]:
-        """What the jobs read and write on the partners, as it is now: name as ``put`` takes it, title, value."""
+    def contents(self) -> Iterator[PartnerValue]:
+        """What the jobs read and write on the partners."""
 
     def put(self, text: str) -> bool:
         """Change a partner by hand, ``NAME=VALUE``; False if it has nothing of that name. Raises DiagnosticError."""

@@ -6,7 +6,7 @@ import datetime as dt
 import math
 from typing import TYPE_CHECKING, TypeAlias
 
-from plcgen.s7.layout.layout import Entry, Layout, layout_block, locate
+from plcgen.s7.layout.layout import Entry, Layout, layout_block, leaves, locate
 from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, Elementary, StringType
 from plcgen.s7.types.errors import UnfitValueError
 from plcgen.s7.types.initializers import Group, InitialItem, flatten, parse_initializer
@@ -68,6 +68,17 @@ def image(block: Block, types: Mapping[str, Block], unfit: list[StartValueError]
     else:
         unfit += builder.unfit
     return memory
+
+
+def start_place(block: Block, types: Mapping[str, Block], byte: int) -> Span | None:
+    """Where the start value of a byte is said: in the last assignment, or where its member is declared."""
+    layout = layout_block(block, types)
+    said = ((locate(layout, one.path), one.span) for one in reversed(block.assignments))
+    declared = ((one, one.member.span) for one in leaves(layout))  # a view of the same bytes comes later
+    for entry, span in (*said, *declared):
+        if span is not None and entry.offset <= 8 * byte < entry.offset + entry.size:
+            return span
+    return block.span
 
 
 def default_bytes(shape: Shape) -> bytes:

@@ -27,6 +27,7 @@ _ON_THE_PAGE = (
     (re.compile(r"generate again with --force"), "overwrite it with Write files"),
     (re.compile(r"run plcgen generate( once more| first)?"), "write the files: button Write files"),
     (re.compile(r"only with --oracle tshark"), "Wireshark decodes telegrams from the command line only"),
+    (re.compile(r"compare this place with docs/\S+\.md(; )?|docs/\S+\.md says .*"), ""),
 )
 """Commands and options of the command line, and what does the same here."""
 Origin = Literal["made", "disk"]
@@ -86,6 +87,7 @@ def replayed(spec: Typed, folder: Path, check: str, scenario: str) -> dict[str, 
         "failure": None
         if failure is None
         else {"text": failure.message, "scan": failure.scan, "file": Path(failure.file).name, "line": failure.line},
+        "telegrams": [one.hex(" ").upper() for one in found.telegrams],
         "scans": found.scans,
         "jobs": {
             key: [[scan, *now[:-1], f"{now.status:04X}"] for scan, now in signals.items()]

@@ -144,7 +144,7 @@ class Live:
                 for number, (text, faults) in enumerate(self._struck)
                 if not all(fault.spent for fault in faults)
             ],
-            "partners": [list(one) for recording in run.recordings for one in recording.contents()],
+            "partners": [asdict(one) for recording in run.recordings for one in recording.contents()],
             "diagnostics": found["diagnostics"],
         }
 

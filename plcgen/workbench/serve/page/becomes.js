@@ -77,7 +77,7 @@ export function becomesTab(desk, written) {
     if (!found || path !== chosen || view !== "files") return;
     const text = () => h("pre", { class: "code" }, (marked && found.disk ? found.disk : found.text).split("\n").map((line, place) => h("div", { class: place + 1 === marked ? "marked" : "" }, h("i", {}, String(place + 1)), line || " ")));
     const page = () => h("div", { class: "guide" }, markdown(found.text));
-    const shown = path.endsWith(".md") ? page : text;
+    const shown = path.endsWith(".md") && !marked ? page : text;
     const diff = () => h("pre", { class: "code" }, found.diff.split("\n").map((line) => h("div", {
       class: line.startsWith("+") ? "plus" : line.startsWith("-") ? "minus" : line.startsWith("@") ? "at" : "" }, line || " ")));
     const room = h("div", {}, found.diff && !marked ? diff() : shown());

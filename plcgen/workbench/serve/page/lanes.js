@@ -42,6 +42,12 @@ export class Lanes {
     this.draw();
   }
 
+  // As wide as there is room for, so that the numbers of few scans can be read.
+  spread() {
+    this.unit = Math.min(40, Math.max(14, (this.box.clientWidth - GUTTER - 24) / this.scans));
+    this.size();
+  }
+
   size() {
     const width = this.box.clientWidth, height = HEAD + this.lanes.length * HEIGHT + 4;
     if (!width) return;
@@ -76,6 +82,8 @@ export class Lanes {
     if (this.marked) {
       pen.fillStyle = colour("mark");
       pen.fillRect(x(this.marked), 0, Math.max(this.unit, 3), this.canvas.height);
+      pen.fillStyle = colour("ink");
+      pen.fillText(String(this.marked), x(this.marked) + 2, HEAD / 2);
     }
     this.lanes.forEach((lane, row) => this.lane(pen, lane, HEAD + row * HEIGHT, { x, first, last, colour }));
     pen.fillStyle = colour("paper");

@@ -3,7 +3,7 @@ import { fill, h, option, field } from "./dom.js";
 import { ask, attempt } from "./ask.js";
 import { word } from "./words.js";
 import { Lanes, telegramTable } from "./lanes.js";
-import { faultForm, inputFields, renew } from "./hand.js";
+import { faultForm, renew, valueFields } from "./hand.js";
 
 const FEW = 6;  // jobs whose lanes are all shown; of more those that have run
 const BOOLS = [["execute", "main"], ["busy", "note"], ["done", "good"], ["error", "bad"]];
@@ -43,7 +43,8 @@ export function runTab(desk) {
   function start(found) {
     state = { ...found, series: new Map(), known: [], contacts: [], on: new Map(found.jobs.map((one) => [one.key, false])) };
     fill(members, found.members.map((path) => option(path.replace(/"/g, ""))));
-    fill(faults, faultForm(found.faults, (given) => act(() => ask("strike", given))));
+    fill(faults, faultForm(found.faults, (given, form) => act(() => ask("strike", given), form)));
+    fill(partners, valueFields(found.partners.map((one) => ({ ...one, path: one.name })), held(found), put, true));
     for (const one of [hand, setting.form, driven]) one.hidden = false;
     setting.placeholder = found.members.length ? `${found.members[0].replace(/"/g, "")}=` : "";
     fill(decoded);
@@ -68,7 +69,7 @@ export function runTab(desk) {
     for (const one of found.diagnostics.filter((each) => each.severity === "error")) fill(decoded, h("p", { class: "bad" }, `${one.code}: ${one.message}`));
     lanes.show(chosen(), found.scan, true);
     drawJobs(found);
-    drawPartners(found.partners);
+    renew(partners, held(found));
     fill(struck, found.struck.map((one) => h("div", { class: "row" }, h("span", {}, `${one.text}${one.left === null ? "" : `, ${word("left")} ${one.left}`}`),
       h("button", { class: "plain", title: word("withdraw"), "aria-label": `${word("withdraw")}: ${one.text}`, onclick: () => act(() => ask("withdraw", { number: one.number })) }, "\u00d7"))));
     drawWire();
@@ -97,7 +98,7 @@ export function runTab(desk) {
   function buildJobs(found) {
     fill(jobs, state.jobs.map((job) => h("div", { class: "row job", "data-row": job.key },
       h("button", { title: job.execute, "aria-label": `execute ${job.key}`, "data-job": job.key, onclick: () => put(`${job.execute.replace(/"/g, "")}=${isOn(job) ? "FALSE" : "TRUE"}`) }),
-      h("b", {}, job.key), h("small", {}), h("p", { class: "meaning" }), job.inputs.length ? h("div", { class: "inputs" }, inputFields(job, found.inputs, put)) : null)));
+      h("b", {}, job.key), h("small", {}), h("p", { class: "meaning" }), job.inputs.length ? h("div", { class: "inputs" }, valueFields(job.inputs, found.inputs, put)) : null)));
   }
 
   function drawJobs(found) {
@@ -113,11 +114,7 @@ export function runTab(desk) {
     renew(jobs, found.inputs);
   }
 
-  function drawPartners(list) {
-    if (partners.contains(document.activeElement)) return;
-    fill(partners, h("table", { class: "dense" }, h("tbody", {}, list.map(([name, title, value]) => h("tr", { title }, h("td", {}, name),
-      h("td", {}, h("input", { class: "value", value, "aria-label": name, onchange: (event) => { event.target.blur(); put(`${name}=${event.target.value}`); } })))))));
-  }
+  const held = (found) => Object.fromEntries(found.partners.map((one) => [one.name, one.value]));
 
   function drawWire() {
     if (!state.contacts.length) return;
@@ -136,12 +133,17 @@ export function runTab(desk) {
     if (near && near.scan === scan) open(near);
   }
 
-  async function act(call) {
-    const found = await attempt(call);
+  async function act(call, into) {
+    into?.querySelector(":scope > p.bad")?.remove();
+    const found = await attempt(call, into);
     if (found) take(found);
     return found;
   }
-  const put = (text) => act(() => ask("put", { text })).then((found) => found && !going && act(() => ask("step", { scans: 1 })));
+  const put = async (text, into) => {
+    const found = await act(() => ask("put", { text }), into);
+    if (found && !going) act(() => ask("step", { scans: 1 }));
+    return found;
+  };
 
   function pause() {
     going = false;
@@ -174,10 +176,9 @@ export function runTab(desk) {
   });
   step.addEventListener("click", () => act(() => ask("step", { scans: 1 })));
   ten.addEventListener("click", () => act(() => ask("step", { scans: 10 })));
-  const send = (input, question) => (event) => {
+  const send = async (event) => {
     event.preventDefault();
-    if (!input.value.trim() || !state) return;
-    act(() => ask(question, { text: input.value.trim() })).then((found) => { if (found) input.value = ""; });
+    if (setting.value.trim() && state && await act(() => ask("put", { text: setting.value.trim() }), event.target)) setting.value = "";
   };
 
   const hand = h("h3", { hidden: true }, word("goesWrong")), driven = h("h3", { hidden: true }, word("driveValues"));
@@ -188,7 +189,7 @@ export function runTab(desk) {
       h("div", { class: "bar views" }, field(word("source"), origin), field("ms", time), load, run, step, ten, where),
       h("div", { class: "running" },
         h("div", { class: "side" }, h("h3", {}, word("jobs"), h("small", {}, " execute")), jobs,
-          h("form", { class: "one", hidden: true, title: word("setHint"), onsubmit: send(setting, "put") }, setting, h("button", {}, word("set"))), members,
+          h("form", { class: "one", hidden: true, title: word("setHint"), onsubmit: send }, setting, h("button", {}, word("set"))), members,
           driven, partners, hand, struck, faults),
         h("div", { class: "middle" }, lanes.box, h("div", { class: "below" }, h("div", {}, h("h3", {}, word("exchanges")), wire), decoded)))),
     shown() { lanes.size(); },

@@ -28,6 +28,8 @@ export async function follow(begin, bar, told) {
 }
 
 export function verifyTab(desk, source) {
+  let now = null;  // what is shown, or worked at
+
   const origin = h("select", { id: "verify-files" }, option("made", word("asMade")), option("disk", word("onDisk")));
   const effort = h("select", { id: "effort" }, option("none", word("faultsNone")), option("quick", word("faultsQuick"), true), option("full", word("faultsFull")));
   const start = h("button", { class: "main", id: "verify-start" }, word("begin"));
@@ -36,21 +38,31 @@ export function verifyTab(desk, source) {
   const told = h("span", { class: "quiet", id: "verify-told", role: "status" });
   const body = h("div", { class: "body", id: "verified" });
 
-  start.addEventListener("click", async () => {
+  start.addEventListener("click", () => {
+    const asked = { ...desk.now, origin: origin.value, faults: effort.value };
+    work(() => ask("verify", asked), asked);
+  });
+  async function work(begin, asked) {
     start.disabled = true;
     cancel.disabled = false;
     fill(body);
-    const asked = { ...desk.now, origin: origin.value, faults: effort.value };
-    const found = await follow(() => ask("verify", asked), bar, told);
+    now = { asked };
+    const found = await follow(begin, bar, told);
     start.disabled = false;
     cancel.disabled = true;
     if (found && asked.name === desk.name) show(found, asked);
     else if (!found) empty();
-  });
-  const empty = () => fill(body, h("p", { class: "empty" }, word("verifyHint")));
+  }
+  const empty = () => {
+    now = null;
+    fill(body, h("p", { class: "empty" }, word("verifyHint")));
+  };
   empty();
 
   function show(found, asked) {
+    now = { found, asked };
+    origin.value = asked.origin;
+    effort.value = asked.faults;
     const outcomes = Object.entries(found.summary).map(([name, count]) => h("span", { class: `chip o-${name}` }, `${count} ${word(`o_${name}`)}`));
     const left = found.groups.flatMap((group) => group.checks).filter((one) => one.outcome === "not run");
     const problems = found.diagnostics.filter((one) => one.severity !== "note");
@@ -67,63 +79,76 @@ export function verifyTab(desk, source) {
   }
 
   function row(one, asked) {
-    const room = h("div", {});
+    const room = h("td", { colSpan: 3 }), below = h("tr", { hidden: true }, room);
     const opened = async (scenario) => {
       const given = { name: asked.name, text: asked.text, origin: asked.origin, check: one.id, scenario };
       const found = await attempt(() => ask("replay", given));
+      below.hidden = !found;
       if (found) fill(room, replayed(found));
     };
     const button = (scenario) => h("button", { class: "open-run", onclick: () => opened(scenario) }, `${word("openRun")}${scenario ? `: ${scenario}` : ""}`);
-    return h("tr", { class: one.outcome === "error" ? "danger" : "" }, h("td", {}, one.subject),
+    return [h("tr", { class: one.outcome === "error" ? "danger" : "" }, h("td", {}, one.subject),
       h("td", {}, one.text, one.diagnostic ? h("div", { class: "bad" }, `${one.diagnostic.code}: `, differing(one.diagnostic.message), h("small", {}, ` ${one.diagnostic.help}`)) : null,
-        one.runs ? h("div", {}, (one.failed.length ? one.failed : [""]).map(button), room) : null,
-        one.outcome === "error" && one.diagnostic?.line && /\.(scl|udt|db|awl)$/i.test(one.diagnostic.file)
-          ? h("button", { class: "open-line", onclick: () => source(one.diagnostic.file, one.diagnostic.line) }, `${word("openLine")} ${one.diagnostic.line}`) : null),
-      h("td", { class: `o-${one.outcome.replace(" ", "_")}` }, one.outcome === "error" ? word("o_error") : one.verdict));
+        one.runs ? h("div", {}, (one.failed.length ? one.failed : [""]).map(button)) : null,
+        one.outcome === "error" && SHOWN.test(one.diagnostic?.file)
+          ? h("button", { class: "open-line", onclick: () => source(one.diagnostic.file, one.diagnostic.line) }, one.diagnostic.line ? `${word("openLine")} ${one.diagnostic.line}` : word("openDiff")) : null),
+      h("td", { class: `o-${one.outcome.replace(" ", "_")}` }, one.outcome === "error" ? word("o_error") : one.verdict)), one.runs ? below : null];
   }
 
   return {
     key: "verify", title: "tabVerify",
     content: h("div", { class: "stack" }, h("div", { class: "bar views" }, field(word("source"), origin), field(word("effort"), effort), start, cancel, bar, told), body),
     cleared() { empty(); fill(told); },
+    kept: () => now,
+    resume(before) {
+      if (before?.found) show(before.found, before.asked);
+      else if (before) work(() => ask("state"), before.asked);
+    },
   };
 }
 
+const SHOWN = /\.(scl|udt|db|awl|csv|md|json)$/i;
+
 // Of two rows of bytes in a message those that differ are marked.
 function differing(text) {
-  const rows = [...text.matchAll(/[0-9A-F]{2}(?: [0-9A-F]{2})+/gi)];
+  const rows = [...text.matchAll(/\b[0-9A-F]{2}(?: [0-9A-F]{2})+\b/gi)];
   if (rows.length !== 2) return text;
   const [one, two] = rows.map((row) => row[0].split(" "));
-  const shown = (row, other) => row.map((byte, at) => (byte === other[at] ? `${byte} ` : [h("span", { class: "marked" }, byte), " "]));
+  const shown = (row, other) => row.map((byte, at) => [at ? " " : "", byte === other[at] ? byte : h("span", { class: "marked" }, byte)]);
   const end = (row) => row.index + row[0].length;
   return [text.slice(0, rows[0].index), shown(one, two), text.slice(end(rows[0]), rows[1].index), shown(two, one), text.slice(end(rows[1]))];
 }
 
 function replayed(found) {
-  const decoded = h("div", {});
+  const decoded = h("div", { class: "zones pair" });
   const lanes = new Lanes((scan) => {
     lanes.go(scan);
-    const one = found.exchanges.findLast((each) => each.scan === scan);
-    if (one) decode(one);
+    decode(contacts.findLast((each) => each.scan === scan));
   });
-  const decode = async (one) => {
-    if (!one.hex) return;
-    const told = await attempt(() => ask("explain", { text: one.hex }));
-    if (told?.telegrams) fill(decoded, told.telegrams.map((each) => telegramTable(each, word)));
+  const explained = async (hex, title) => {
+    const told = await attempt(() => ask("explain", { text: hex }));
+    return h("article", {}, h("h4", {}, title), told?.telegrams?.map((each) => telegramTable(each, word)));
   };
+  const decode = async (one) => {
+    if (one?.hex) fill(decoded, await explained(one.hex, `${word("scan")} ${one.scan}`), one.stated ? await explained(one.stated, word("stated")) : null);
+  };
+  const at = found.failure?.scan ?? found.scans, [hex, stated] = found.telegrams;
+  const contacts = hex ? [...found.exchanges, { scan: at, direction: "write", hex, stated, failing: true }] : found.exchanges;
   const list = Object.entries(found.jobs).flatMap(([group, calls]) => {
     const series = (place) => calls.map((call) => [call[0], call[place]]);
     return [...[["execute", 1, "main"], ["busy", 2, "note"], ["done", 3, "good"], ["error", 4, "bad"]].map(([title, place, style]) => ({ title, group, kind: "bool", style, series: series(place) })),
       { title: "status", group, kind: "state", series: series(5) }];
   });
-  list.push({ title: word("telegrams").toLowerCase(), group: "", kind: "mark", style: "main", series: found.exchanges.map((one) => [one.scan, true]) });
+  list.push({ title: word("telegrams").toLowerCase(), group: "", kind: "mark", style: "main", series: contacts.map((one) => [one.scan, true]) });
   const room = h("div", { class: "replay" },
-    h("p", {}, h("b", {}, found.scenario), " ", found.failure ? h("span", { class: "bad" }, `${word("scan")} ${found.failure.scan}: ${found.failure.text} (${found.failure.file}:${found.failure.line})`) : word("notAgain")),
-    lanes.box, h("div", { class: "wire" }, found.exchanges.slice(-40).map((one) => h("button", { class: "row", onclick: () => { lanes.go(one.scan); decode(one); } },
-      h("span", { class: "n" }, String(one.scan)), h("span", {}, one.direction === "write" || one.direction === ">" ? "\u2192" : "\u2190"), h("span", { class: "hex" }, one.hex || "\u2026")))), decoded);
+    h("p", {}, h("b", {}, found.scenario), " ", found.failure ? h("span", { class: "bad" }, `${word("scan")} ${found.failure.scan}: `, differing(found.failure.text), ` (${found.failure.file}:${found.failure.line})`) : word("notAgain")),
+    lanes.box, h("div", { class: "wire" }, contacts.slice(-40).map((one) => h("button", { class: `row ${one.failing ? "failing" : ""}`, onclick: () => { lanes.go(one.scan); decode(one); } },
+      h("span", { class: "n" }, String(one.scan)), h("span", {}, one.direction === "write" || one.direction === ">" ? "\u2192" : "\u2190"), one.failing ? h("b", {}, word("o_error")) : null, h("span", { class: "hex" }, one.hex || "\u2026")))), decoded);
   requestAnimationFrame(() => {
     lanes.show(list, found.scans, false);
-    lanes.go(found.failure ? found.scans : 1);
+    lanes.spread();
+    lanes.go(at);
+    decode(contacts.findLast((each) => each.scan <= at));
   });
   return room;
 }
