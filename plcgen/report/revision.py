@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from plcgen.base.diagnostics import Span
+from plcgen.base.diagnostics import DiagnosticError, Span
 from plcgen.base.files.files import YAML_SUFFIXES
 from plcgen.base.files.options import usage
 from plcgen.base.paths import trap_in
@@ -58,6 +58,17 @@ def fetched(option: str, revision: str, paths: Sequence[Path], room: Path, top: 
             raise usage(place, "the revision has too many specs and sources to be compared")
     _fetch(place, top, wanted, room, revision)
     return f"{revision} ({commit[:12]})", [room / path for path in inside]
+
+
+def revisions(folder: Path, most: int) -> list[tuple[str, str]]:
+    """Branches, tags and the last commits of a folder's repository, each with what it is; none if it is in none."""
+    log = ["-c", "log.showSignature=false", "log", f"-n{most}", "--format=%h%x09%cs %s", "--", "."]
+    refs = ["for-each-ref", f"--count={most}", "--format=%(refname:short)%09%(committerdate:short) %(contents:subject)"]
+    try:
+        lines = b"".join(_git("", folder, one, "") for one in (log, refs)).decode("utf-8", "replace").split("\n")
+    except DiagnosticError:
+        return []
+    return [(name, text) for name, _, text in (line.partition("\t") for line in lines) if name]
 
 
 def top_of(place: str, path: Path, revision: str) -> Path:

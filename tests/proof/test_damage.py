@@ -76,6 +76,22 @@ def test_an_exception_is_a_red_check(
     assert {id_.partition(".")[0] for id_ in good - found.keys()} <= {"headers", "faults"}
 
 
+@pytest.mark.parametrize("source", ["db/Ramp_Request.db", "udt/typeOwn_Request.udt", "db/LineLevel_Request.db"])
+def test_another_start_value_is_told_at_its_line(source: str, spec: Path) -> None:
+    """One byte of a request, in a data block, a type in an instance, a table: PG604 names the line that was edited."""
+    spec.write_text(SPEC.replace("  set:", "  own: {drive: axis, read: [P1120, P1121]}\n  set:"), "utf-8")
+    path = api.generate(spec).folder / source
+    lines = path.read_text("utf-8-sig").splitlines()
+    said = [number for number, line in enumerate(lines) if re.search(r":= 16#[0-9A-F]{2};", line)]
+    for number in (said[0], said[len(said) // 2]):
+        other = [*lines]
+        other[number] = re.sub(r"16#(..);", lambda found: f"16#{int(found[1], 16) ^ 1:02X};", lines[number])
+        path.write_text("\n".join(other), "utf-8-sig")
+        checks = [one for one in api.verify(spec, faults="none").checks() if one.id.startswith("telegram.")]
+        (found,) = [one.diagnostic for one in checks if one.diagnostic is not None]
+        assert (found.code, Path(found.span.file).name, found.span.line) == ("PG604", path.name, number + 1)
+
+
 IN_A_WORKER = """
 import os, sys
 from plcgen import api

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import partial
 
-from plcgen.base.diagnostics import Diagnostic, DiagnosticError
+from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiPlan, PpiTelegram
 from plcgen.ppi.proof.words import LEAD
 from plcgen.ppi.wire.errors import PpiError
@@ -15,7 +16,7 @@ from plcgen.ppi.wire.pdu import decode_pdu
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.proof.making import Pending
-from plcgen.s7.layout.image import StartValueError, image
+from plcgen.s7.layout.image import StartValueError, image, start_place
 from plcgen.s7.layout.layout import layout_block
 
 
@@ -43,9 +44,21 @@ def _telegram(plan: PpiPlan, folder: Folder, master: PlannedMaster, telegram: Pp
     problem = _first_problem(plan, folder, master, telegram)
     if problem is None:
         return Check(name, subject, text, Outcome.OK, "start values form exactly this telegram")
-    place = folder.place(telegram.request.home.name)
-    found = Diagnostic("PG604", problem, place, help="run plcgen generate")
+    found = Diagnostic("PG604", problem, _place(folder, telegram), help="run plcgen generate")
     return Check(name, subject, text, Outcome.ERROR, problem, found)
+
+
+def _place(folder: Folder, telegram: PpiTelegram) -> Span:
+    """The line that says the first byte that is another one, or the block."""
+    name, wanted = telegram.request.home.name, telegram.request.data
+    block = folder.text.get(name.upper())
+    with suppress(DiagnosticError, StartValueError):
+        data = bytes(image(block, folder.text)) if block is not None else b""
+        table = bytes([len(wanted), *wanted])
+        at = next((at for at, pair in enumerate(zip(data, table, strict=False)) if pair[0] != pair[1]), None)
+        if block is not None and at is not None:
+            return start_place(block, folder.text, at) or folder.place(name)
+    return folder.place(name)
 
 
 def _first_problem(plan: PpiPlan, folder: Folder, master: PlannedMaster, telegram: PpiTelegram) -> str | None:

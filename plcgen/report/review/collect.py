@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -125,7 +126,11 @@ def _changes(request: ReviewRequest, base: BaseFiles) -> list[tuple[str, Compari
             ("the spec and what follows from it", _named(compare_snapshots(before, after, load_policy(())), base))
         )
     if base.folder is not None and request.folder.is_dir():
-        found.append(("the generated sources on disk", _named(compare([base.folder], [request.folder]), base)))
+        sources = _named(compare([base.folder], [request.folder]), base)
+        if request.home in {None, request.folder}:
+            found.append(("the generated sources on disk", sources))
+        else:
+            found.append(("the generated sources, as they are made now", replace(sources, new="made now")))
     if base.lock is not None:
         found.append(("the layout lock", _locks(base.lock, _lock_path(request), base)))
     if not found:

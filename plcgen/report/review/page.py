@@ -50,8 +50,8 @@ def page_view(review: Review, script: str) -> dict[str, Any]:
         "problems": [_problem(problem) for problem in review.problems],
         "files": [(clean(f.path), f.bytes, f.sha256, clean(f.experimental)) for f in review.files[:MAX_FILES]],
         "more_files": max(0, len(review.files) - MAX_FILES),
-        "changes": [_comparison(title, found, planned=review.planned) for title, found in review.changes],
-        "lock": _comparison("the layout lock against the sources", review.lock, planned=review.planned)
+        "changes": [comparison_view(title, found, planned=review.planned) for title, found in review.changes],
+        "lock": comparison_view("the layout lock against the sources", review.lock, planned=review.planned)
         if review.lock is not None
         else None,
         "writes": list(write_rows(review)),
@@ -120,7 +120,8 @@ def _problem(problem: Diagnostic) -> dict[str, str]:
     }  # fmt: skip
 
 
-def _comparison(title: str, found: Comparison, *, planned: bool) -> dict[str, Any]:
+def comparison_view(title: str, found: Comparison, *, planned: bool) -> dict[str, Any]:
+    """A comparison as rows, the worst of each subject first."""
     rows = [_change(subject, change) for subject, changes in found.folded() for change in changes]
     return {
         "title": title,

@@ -40,7 +40,7 @@ def questions(one: Desk) -> dict[str, tuple[type[Body], Answer]]:
         (desk.Load, one.load), (desk.Steps, one.step), (desk.Words, one.put), (desk.Strike, one.strike),
         (desk.Withdraw, one.withdraw),
         (desk.Prove, one.verify), (desk.Against, one.review), (desk.Again, one.replay),
-        (desk.Nothing, one.state), (desk.Nothing, one.cancel),
+        (desk.File, one.bases), (desk.Nothing, one.state), (desk.Nothing, one.cancel),
         (desk.Text, one.lock), (desk.Save, one.relock), (desk.Lists, one.texts),
         (desk.Files, one.look), (desk.Audit, one.audit), (desk.Words, one.explain),
         (desk.Files, one.layout), (desk.Pair, one.diff), (desk.Convert, one.convert),

@@ -14,6 +14,7 @@ from plcgen.base.diagnostics import has_errors
 from plcgen.base.display.data import diagnostics_data
 from plcgen.base.files.files import below, refusal
 from plcgen.project.below import specs_below
+from plcgen.report.revision import revisions
 from plcgen.report.trace.run import Simulation
 from plcgen.workbench.serve import becomes, guarding, proving, spec, starting, tools
 from plcgen.workbench.serve.becomes import Made, Maker
@@ -26,6 +27,8 @@ from plcgen.workbench.serve.working import Worker
 from plcgen.workbench.service.documents import Document
 from plcgen.workbench.service.specs.form import put_in
 from plcgen.workbench.service.workspace import Workspace
+
+MAX_REVISIONS = 20
 
 
 class Body(BaseModel):
@@ -417,6 +420,15 @@ class Desk:
         if below(self.room.folder, text) is None:
             raise wrong(text, f'"{text}" {refusal(text, "the folder that is served")}')
         return str(path)
+
+    def bases(self, asked: File) -> dict[str, Any]:
+        """What a review may be compared with, each with what it is: folders, other specs, revisions."""
+        path = self.room.find(asked.name)
+        specs = specs_below(self.room.folder).specs
+        folders = [*(one.parent for one in specs if one.name == path.name), *map(api.default_folder, specs)]
+        found = [one for one in dict.fromkeys((*folders, *specs)) if one not in {path, path.parent} and one.exists()]
+        names = [one.relative_to(self.room.folder).as_posix() for one in found]
+        return {"bases": [*((name, "") for name in names[:MAX_LISTED]), *revisions(path.parent, MAX_REVISIONS)]}
 
     def state(self, _: Nothing) -> dict[str, Any]:
         """How far the work is."""

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from plcgen.base.diagnostics import DiagnosticError
-from plcgen.base.display.view import PLAIN
 from plcgen.build.text_lists import WRITERS
 from plcgen.ds47.hmi.lists import LANGUAGES, text_lists
 from plcgen.ds47.plan.nouns import DrivePlan
@@ -18,8 +17,7 @@ from plcgen.report.diff.lock import DEFAULT
 from plcgen.report.diff.lockfile import read_lock, reduced
 from plcgen.report.diff.planned import spec_snapshot
 from plcgen.report.diff.run import compare_snapshots
-from plcgen.report.registry import shipped_format
-from plcgen.s7.compare.data import comparison_data
+from plcgen.report.review.page import comparison_view
 from plcgen.s7.compare.policyfile import load_policy
 from plcgen.workbench.serve.becomes import FIRST_TIME, Made
 from plcgen.workbench.serve.proving import Typed
@@ -45,18 +43,17 @@ def compared(typed: Typed, room: Room) -> dict[str, Any]:
     path = lock_of(typed.path)
     name = room.shown(path.as_posix())
     if not path.is_file():
-        return {"lock": name, "there": False, "text": "", "summary": {}, "problems": []}
+        return {"lock": name, "there": False, "changes": None, "problems": []}
     try:
         state = reduced(spec_snapshot(typed.path, typed.read))
         found = compare_snapshots(read_lock(path).snapshot, state, load_policy(()))
     except DiagnosticError as problem:
         problems = [problem_data(one, room.shown) for one in problem.diagnostics]
-        return {"lock": name, "there": True, "text": "", "summary": {}, "problems": problems}
+        return {"lock": name, "there": True, "changes": None, "problems": problems}
     return {
         "lock": name,
         "there": True,
-        "text": shipped_format("text").render("comparison", found, PLAIN).replace(f"{room.folder.as_posix()}/", ""),
-        "summary": comparison_data(found, "never")["summary"],
+        "changes": comparison_view("", found, planned=True),
         "problems": [problem_data(one, room.shown) for one in found.diagnostics],
     }
 

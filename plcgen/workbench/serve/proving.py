@@ -106,4 +106,5 @@ def reviewed(spec: Typed, folder: Path, base: str, progress: Progress) -> dict[s
     page = shipped_format("html").render("review", found, PLAIN)
     for private in (folder.parent, spec.path.parent):  # the page is handed on
         page = page.replace(f"{private.as_posix()}/", "")
+    page = page.replace("--against ", "")
     return {"page": page, "ok": found.ok, "name": f"{spec.path.stem}_review.html"}

@@ -25,7 +25,7 @@ def problem_data(diagnostic: Diagnostic, rename: Callable[[str], str] = str) -> 
         "severity": diagnostic.severity.label,
         "message": diagnostic.message,
         "help": diagnostic.help,
-        "file": rename(diagnostic.span.file),
+        "file": "" if diagnostic.span.file.startswith("--") else rename(diagnostic.span.file),  # an option: no file
         "line": diagnostic.span.line,
         "column": diagnostic.span.column,
     }

@@ -24,7 +24,7 @@ from plcgen.base.telegrams.hexbytes import HexError, parse_hex
 from plcgen.ds47.texts import status_answer
 from plcgen.proof.audited import audit_files
 from plcgen.report.registry import shipped_format
-from plcgen.s7.compare.data import comparison_data
+from plcgen.report.review.page import comparison_view
 from plcgen.workbench.serve.proving import Typed
 from plcgen.workbench.serve.spec import problem_data
 
@@ -110,13 +110,7 @@ def diff(old: Dropped, new: Dropped) -> dict[str, Any]:
     """Two versions of sources, as HMIs, PLCs and drives see them."""
     with laid(old, new) as (before, after):
         found = api.diff(_each(before), _each(after))
-        data = comparison_data(found, "never")
-        shown = shipped_format("text").render("comparison", found, PLAIN).replace(f"{before.as_posix()}/", "old/")
-        return {
-            "text": shown.replace(f"{after.as_posix()}/", "new/"),
-            "summary": data["summary"],
-            "problems": [*_problems(found.diagnostics, after)],
-        }
+        return {"changes": comparison_view("", found, planned=True), "problems": _problems(found.diagnostics, after)}
 
 
 def convert(files: Dropped, to: Literal["scl", "xml"], version: str, *, classic: bool) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from tests.projects import ROOT
 from tests.workbench.serve.server import served
 
 FAQ, PUMP = "s7-300_6ra80_dp_tia.yaml", "s7-1500_g120_pn.yaml"
+LINES_OF_A_BLOCK = 100
 pytestmark = pytest.mark.slow
 
 
@@ -183,7 +184,11 @@ def test_a_run_is_watched_and_changed(browser: Page) -> None:
     browser.click("#wire .row", "change P1120")
     browser.sees("#decoded", "parameter 1 parameter number")
     browser.fill("#run-jobs [aria-label=rampUpTime]", "2.5")
+    browser.fill("#partners input[aria-label='pump.r21']", "77x")
+    browser.sees("#partners .wrong", "not '77x'")
+    browser.sees("#partners .wrong", "rpm")
     browser.fill("#partners input[aria-label='pump.r21']", "777.0")
+    browser.wait("!document.querySelector('#partners .wrong')")
     browser.click('[data-job="read_speed"]')
     browser.click("#run")
     browser.sees("#wire", "777.0")
@@ -192,8 +197,18 @@ def test_a_run_is_watched_and_changed(browser: Page) -> None:
     browser.wait(f"document.querySelector('#run').innerText === 'Run' && {json.dumps(scan)} !== ''")
     browser.fill("#fault-kind", "error")
     browser.evaluate("document.querySelectorAll('.fault-keys input')[0].value = '16#11'")
-    browser.click("#inject")
-    browser.sees("#struck", "error: ")
+    for _ in range(2):
+        browser.click("#inject")
+        browser.sees("#struck", "error: ")
+    browser.wait("document.querySelectorAll('#struck .row').length === 2")
+    browser.click("#struck button")
+    browser.wait("document.querySelectorAll('#struck .row').length === 1")
+    browser.click("#language")
+    browser.sees("#run", "Starten")
+    browser.sees("#struck", "noch so oft: 1")
+    browser.sees("#wire", "777.0")
+    browser.click("#language")
+    browser.sees("#run", "Run")
     browser.click('[data-job="set_ramps"]')  # off, then on again: with the ramp that was typed
     browser.wait("document.querySelector('[data-job=set_ramps]').getAttribute('aria-pressed') === 'false'")
     browser.click('[data-job="set_ramps"]')
@@ -229,8 +244,34 @@ def test_a_failed_check_opens_its_run(browser: Page, folder: Path) -> None:
     browser.click(".open-run", "Open run")
     browser.sees(".replay", "scan ")
     browser.wait("!!document.querySelector('.replay canvas')")
-    browser.click(".open-line")
+    browser.click("#language")
+    browser.sees("#verified .verdict", "fehlgeschlagen")
+    browser.click("#language")
+    line = next(number for number, one in enumerate(broken.splitlines(), 1) if "#done := FALSE;" in one)
+    browser.click(".open-line", "difference")
+    browser.sees(".code .minus", "#done := FALSE;")
+    assert browser.evaluate("document.querySelector('#side [aria-pressed=true]').dataset.key") == source.name
+    browser.click("#tab-verify")
+    browser.click(".open-line", "Open line")
     browser.wait("!!document.querySelector('.code .marked')")
+    assert abs(int(browser.text(".code .marked i")) - line) < LINES_OF_A_BLOCK
+
+
+def test_two_versions_are_compared_in_tables(browser: Page) -> None:
+    """A member that moved: what it means, then every change by block; no words of a shell."""
+    source = "DATA_BLOCK DB1\nSTRUCT\n{}n : INT;\nEND_STRUCT;\nBEGIN\nEND_DATA_BLOCK\n"
+    for where, more in (("old", ""), ("files", "m : INT;\n")):
+        browser.evaluate(f"""(() => {{
+          const data = new DataTransfer();
+          data.items.add(new File([{json.dumps(source.format(more))}], "a.scl"));
+          document.querySelector('[data-drop="{where}"]').dispatchEvent(new DragEvent("drop", {{ dataTransfer: data, bubbles: true }}));
+        }})()""")
+    browser.click("#tab-tools")
+    browser.wait("!!document.querySelector('#tool-result iframe')")
+    browser.click("#do-diff")
+    browser.sees("#tool-result .changes td", "n: moved by +2 bytes: 0.0 -> 2.0")
+    browser.sees("#tool-result .changes summary", "DB1")
+    assert "--" not in browser.text("#tool-result")
 
 
 def test_the_review_page_is_shown(browser: Page) -> None:

@@ -7,6 +7,7 @@ import hashlib
 import io
 import json
 import shutil
+import subprocess
 import time
 import zipfile
 from pathlib import Path
@@ -57,6 +58,11 @@ def changed(server: Server, asked: dict[str, Any], what: str, given: dict[str, s
         behind = [lines[last][end:], *lines[last + 1 :]] if last < len(lines) else []
         text = "".join([*lines[:first], lines[first][:start] if first < len(lines) else "", edit["text"], *behind])
     return text
+
+
+def held(found: dict[str, Any]) -> dict[str, str]:
+    """The values of the partners by name."""
+    return {one["name"]: one["value"] for one in found["partners"]}
 
 
 def done(server: Server) -> dict[str, Any]:
@@ -345,7 +351,7 @@ def test_a_value_may_have_a_decimal_comma(folder: Path, server: Server) -> None:
     server.told("load", now(folder, PUMP))
     found = server.told("put", {"text": "DriveJobs.setRamps.rampUpTime=20,5"})
     assert next(value for path, value in found["inputs"].items() if path.endswith("rampUpTime")) == "20.5"
-    assert "pump.P1120" in {one[0] for one in found["partners"] if one[2] == "10.0"}
+    assert held(found)["pump.P1120"] == "10.0"
     assert "--set" not in server.ask("put", {"text": "DriveJobs.setRamps.rampUpTime=2,0,5"}).text
     assert "--fault" not in server.ask("strike", {"kind": "status", "keys": {}}).text
 
@@ -439,7 +445,7 @@ def test_inputs_of_a_job_have_type_unit_and_limits(folder: Path, server: Server)
     server.told("put", {"text": f"{ramp['path']}=2.5"})
     server.told("put", {"text": "DriveJobs.setRamps.execute=TRUE"})
     found = server.told("step", {"scans": 200})
-    assert {name: value for name, _, value in found["partners"]}["pump.P1120"] == "2.5"
+    assert held(found)["pump.P1120"] == "2.5"
     assert found["inputs"][ramp["path"]] == "2.5"
     assert server.ask("put", {"text": f"{ramp['path']}=fast"}).status == 422
     loaded = server.told("load", now(folder, PPI))
@@ -484,11 +490,13 @@ def test_a_lock_tells_what_an_edit_moves(folder: Path, server: Server) -> None:
     known = server.told("read", {"name": PUMP})["known"]
     assert server.told("relock", {**asked, "known": known})["ok"]
     same = server.told("lock", asked)
-    assert (same["there"], sum(same["summary"].values()), same["problems"]) == (True, 0, [])
+    assert (same["there"], same["changes"]["rows"], same["problems"]) == (True, [], [])
     edited = now(folder, PUMP, "write: {P1120: null, P1121: null}", "write: {P1121: null}")
     moved = server.told("lock", edited)
-    assert sum(moved["summary"].values()) > 0
-    assert "rampDownTime" in moved["text"]
+    assert moved["changes"]["sentences"][0][1] == "set_ramps"
+    rows = json.dumps(moved["changes"]["rows"])
+    assert "rampDownTime" in rows
+    assert not [word for word in ("--verbose", "--fail-on", str(folder)) if word in rows]
     other = server.told("lock", now(folder, FAQ))
     assert (other["there"], other["lock"]) == (False, "s7-300_6ra80_dp_tia.lock.json")
 
@@ -526,7 +534,7 @@ def test_partners_can_be_changed_by_hand(folder: Path, server: Server) -> None:
     """A parameter of a drive, a byte of an S7-200: what the job reads then is what was set."""
     server.told("load", now(folder, PUMP))
     found = server.told("put", {"text": "pump.r21=123.5"})
-    assert {name: value for name, _, value in found["partners"]}["pump.r21"] == "123.5"
+    assert held(found)["pump.r21"] == "123.5"
     server.told("put", {"text": "DriveJobs.readSpeed.execute=TRUE"})
     (speed,) = [one for one in server.told("step", {"scans": 200})["results"] if one["job"] == "read_speed"]
     assert [one["value"] for one in speed["values"]] == [123.5]
@@ -538,6 +546,43 @@ def test_partners_can_be_changed_by_hand(folder: Path, server: Server) -> None:
     server.told("put", {"text": f"{job['execute']}=TRUE".replace('"', "")})
     (read,) = [one for one in server.told("step", {"scans": 200})["results"] if one["job"] == "read_vb100"]
     assert (read["ending"], [one["value"] for one in read["values"]]) == ("done", [77])
+
+
+def test_values_of_partners_have_a_title_a_unit_and_a_place(folder: Path, server: Server) -> None:
+    """List manual of the G120: r21 in rpm, p1120 in s; of an array the element that is set, of bits the whole word."""
+    text = now(folder, PUMP)["text"].replace("read: [actual_speed]", "read: [actual_speed, r52.3]")
+    found = {one["name"]: one for one in server.told("load", {"name": PUMP, "text": text})["partners"]}
+    assert (found["pump.r21"]["unit"], found["pump.P1120"]["unit"]) == ("rpm", "s")
+    assert found["pump.P1120"]["title"] == "Ramp-function generator ramp-up time"
+    assert {"pump.r945[0]", "pump.r52"} <= found.keys()
+    for name, one in found.items():
+        assert held(server.told("put", {"text": f"{name}={one['value']}"}))[name] == one["value"]
+
+
+def test_a_review_may_be_compared_with_what_is_there(folder: Path, server: Server) -> None:
+    """Folders with a spec of the name, generated ones, other specs, then commits and branches if there is git."""
+    (folder / "old").mkdir()
+    shutil.copy(folder / FAQ, folder / "old" / FAQ)
+    api.generate(folder / FAQ)
+    names = ["old", "s7-300_6ra80_dp_tia_generated", f"old/{FAQ}", PPI, PUMP]
+    assert sorted(name for name, _ in server.told("bases", {"name": FAQ})["bases"]) == sorted(names)
+    for command in (["init", "-qb", "line2"], ["add", "."], ["commit", "-qm", "as delivered"]):
+        subprocess.run(["git", "-c", "user.name=A", "-c", "user.email=a@example.org", *command], cwd=folder, check=True)
+    told = server.told("bases", {"name": FAQ})["bases"][len(names) :]
+    assert [(name, text.partition(" ")[2]) for name, text in told][1:] == [("line2", "as delivered")]
+    assert server.ask("bases", {"name": "../x.yaml"}).status == 422
+
+
+def test_a_folder_that_is_compared_is_not_called_by_the_same_name_twice(folder: Path, server: Server) -> None:
+    """What is made now against what lies on disk: both sides say which they are, and no option is named."""
+    api.generate(folder / FAQ)
+    server.told(
+        "review", {**now(folder, FAQ, "P50304: 100.0", "P50304: 50.0"), "base": "s7-300_6ra80_dp_tia_generated"}
+    )
+    text = server.get(f"/{TOKEN}/made/{done(server)['result']['page']}").text
+    assert "s7-300_6ra80_dp_tia_generated &rarr; made now" in text
+    assert "as they are made now" in text
+    assert "--against" not in text
 
 
 def test_verification_has_progress_and_an_end(folder: Path, server: Server) -> None:
@@ -565,7 +610,7 @@ def test_what_runs_is_the_text_of_the_editor(folder: Path, server: Server) -> No
     server.told("load", edited)
     server.told("put", {"text": "DriveJobs.setRamps.execute=TRUE"})
     found = server.told("step", {"scans": 200})
-    assert {name: value for name, _, value in found["partners"]}["pump.P1121"] == "5.0"
+    assert held(found)["pump.P1121"] == "5.0"
     server.told("verify", {**edited, "faults": "none"})
     assert done(server)["result"]["ok"]
     new = {"name": "new.yaml", "text": edited["text"]}
@@ -593,6 +638,25 @@ def test_a_failed_check_opens_its_run(folder: Path, server: Server) -> None:
     )
     assert replayed["failure"]["scan"] == replayed["scans"]
     assert replayed["failure"]["line"] > 0
+
+
+def test_another_telegram_is_shown_beside_the_one_that_is_stated(folder: Path, server: Server) -> None:
+    """FAQ 109750712 fig. 5-1 with P50304 (C480h) for P50303 (C47Fh): byte 7 of both differs, whatever the reference."""
+    asked = {**now(folder, FAQ), "known": server.told("read", {"name": FAQ})["known"]}
+    server.told("write", asked)
+    (file,) = (folder / "s7-300_6ra80_dp_tia_generated").glob("*.scl")
+    text = file.read_text("utf-8")
+    assert text.count("16#C47F") == 1
+    file.write_text(text.replace("16#C47F", "16#C480"), "utf-8")
+    given = {"name": FAQ, "text": asked["text"], "origin": "disk"}
+    server.told("verify", {**given, "faults": "none"})
+    groups = done(server)["result"]["groups"]
+    failed = next(check for group in groups for check in group["checks"] if check["runs"])
+    found = server.told("replay", {**given, "check": failed["id"], "scenario": ""})
+    sent, stated = (one.split() for one in found["telegrams"])
+    assert (" ".join(sent[1:8]), " ".join(stated[1:8])) == ("01 02 01 10 01 C4 80", "01 02 01 10 01 C4 7F")
+    assert [at for at, pair in enumerate(zip(sent, stated, strict=True)) if pair[0] != pair[1]] == [7]
+    assert not [one for one in (failed["diagnostic"]["help"], str(groups)) if "docs/" in one]
 
 
 @pytest.mark.slow
@@ -652,7 +716,7 @@ def test_tools_take_what_is_dropped(folder: Path, server: Server, tmp_path: Path
     old = packed(source)
     source.write_text(source.read_text("utf-8").replace("Para_No", "Para_Number"), "utf-8")
     found = server.told("diff", {"old": old, "files": packed(source)})
-    assert "Para_Number" in found["text"]
+    assert "Para_Number" in str(found["changes"]["rows"])
 
 
 @pytest.mark.parametrize(

@@ -190,7 +190,9 @@ async function begin() {
     label(document);
     $("#language").textContent = language === "de" ? "EN" : "DE";
     const source = (file, line) => { goTo("becomes"); views.source(file, line); }, views = becomesTab(desk, written);
+    const before = Object.fromEntries(tabs.map((tab) => [tab.key, tab.kept?.()]));
     build([specTab(desk, room), views, runTab(desk), verifyTab(desk, source), reviewTab(desk), toolsTab(desk, () => goTo("tools"))]);
+    for (const tab of tabs) tab.resume?.(before[tab.key]);
     if (desk.checked) for (const tab of tabs) tab.checked?.(desk.checked);
   };
   draw();

@@ -66,9 +66,12 @@ export function becomesTab(desk, written) {
 
   function files() {
     if (!made.files.some((one) => one.path === chosen)) chosen = made.files.find((one) => one.state !== "same")?.path ?? made.files[0].path;
-    fill(side, made.files.map((one) => h("button", {
-      class: `row file ${one.state}`, "data-key": one.path, "aria-pressed": one.path === chosen ? "true" : "false", onclick: () => { chosen = one.path; marked = 0; files(); },
-    }, h("b", {}, one.path), h("small", {}, word(one.state)))));
+    const within = (path) => path.split("/").slice(0, -1).join("/");
+    const folders = Map.groupBy(made.files, (one) => within(one.path));
+    fill(side, [...folders].map(([folder, list]) => [folder ? h("h4", {}, `${folder}/`) : null, list.map((one) => h("button", {
+      class: `row file ${one.state}`, title: `${one.path}: ${word(one.state)}`, "data-key": one.path, "aria-pressed": one.path === chosen ? "true" : "false", onclick: () => { chosen = one.path; marked = 0; files(); },
+    }, h("b", {}, one.path.slice(folder ? folder.length + 1 : 0)), h("small", {}, one.state === "same" ? "=" : word(one.state))))]));
+    side.querySelector("[aria-pressed=true]")?.scrollIntoView({ block: "nearest" });
     part(chosen);
   }
 

@@ -2,12 +2,13 @@
 import { fill, h } from "./dom.js";
 import { ask, attempt, tell } from "./ask.js";
 import { word } from "./words.js";
+import { changesView } from "./changes.js";
 
 export async function lockView(desk, side, body, written) {
   fill(side);
   const found = await attempt(() => ask("lock", desk.now));
   if (!found) return fill(body);
-  const moved = Object.values(found.summary).some((one) => one > 0);
+  const moved = found.changes?.rows.length > 0;
   const write = async () => {
     if (!confirm(`${word("lockAsk")} ${found.lock}`)) return;
     const asked = { ...desk.now, known: desk.known };
@@ -21,6 +22,6 @@ export async function lockView(desk, side, body, written) {
   fill(body, h("p", { class: "quiet hint" }, word("lockHint")),
     h("p", { id: "lock-state" }, h("b", { class: !found.there ? "" : !moved && !found.problems.length ? "good" : "bad" }, word(!found.there ? "noLock" : moved ? "lockMoved" : found.problems.length ? "lockProblem" : "lockSame"))),
     found.problems.map((one) => h("p", { class: "bad" }, `${one.code}: ${one.message}`, h("small", {}, ` ${one.help}`))),
-    found.text ? h("pre", { class: "said" }, found.text) : null,
+    moved ? changesView(found.changes) : null,
     h("button", { id: "relock", onclick: write }, word(found.there ? "lockAgain" : "lockWrite")));
 }

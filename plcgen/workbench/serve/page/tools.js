@@ -3,6 +3,7 @@ import { fill, h, option, field } from "./dom.js";
 import { ask, attempt, tell } from "./ask.js";
 import { word } from "./words.js";
 import { telegramTable } from "./lanes.js";
+import { changesView } from "./changes.js";
 
 const MOST = 12 * 1024 * 1024;
 
@@ -76,7 +77,7 @@ export function toolsTab(desk, show) {
 
   async function compare() {
     const found = await attempt(() => ask("diff", { files: given("files"), old: given("old") }));
-    if (found) fill(body, problems(found.problems), h("pre", { class: "code pre" }, found.text));
+    if (found) fill(body, problems(found.problems), changesView(found.changes));
   }
 
   async function explain() {
