@@ -13,6 +13,7 @@ from typing import Any
 
 from plcgen.build.text_lists import TextEntry, TextList
 from plcgen.ds47.messages import all_messages
+from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.wire.errors import Table, error_text, known_numbers
 from plcgen.ds47.wire.formats import FORMATS, OLDER
 from plcgen.ds47.wire.status import explain_word, known_words
@@ -23,6 +24,11 @@ LANGUAGES = ("en", "de", "zh")
 _ANSWERED, _CAME = 0x8000, 0x8100
 _BUFFERS = {"DriveFaults": "F", "DriveAlarms": "A"}
 """Lists for the numbers of a buffer (r945, r2122), and the kind of message that it holds."""
+_NUMBERS = {945: "DriveFaults", 2122: "DriveAlarms"}
+_MEMBERS = {
+    "status": "DriveJobStatus", "recordStatus": "DriveRecordStatus", "errors": "DriveJobErrors",
+    "valueFormat": "DriveValueFormats", "writeFormat": "DriveValueFormats",
+}  # fmt: skip
 _DIAGNOSIS = 0x9000
 """First fault class in the channel diagnosis of PROFINET."""
 
@@ -49,6 +55,19 @@ def text_lists(cultures: Sequence[str], errors: Table = "sinamics", families: Se
         _list("DriveValueFormats", cultures, _formats()),
         *(_list(name, cultures, _messages(kind, families)) for name, kind in _BUFFERS.items() if families),
     ]
+
+
+def list_of(job: DriveJob, path: Sequence[str]) -> str:
+    """The list for a member of a job in its data block, without indexes; "" for none.
+
+    Numbers of a buffer have one if the messages of the device are known.
+    """
+    found = _MEMBERS.get(path[-1], "")
+    for use in job.uses if job.drive.device.messages else ():
+        delivered = [job.messages.member, "code"] if job.messages else [use.member]
+        if [*path] == delivered:
+            found = _NUMBERS.get(use.parameter.pnu, found)
+    return found
 
 
 def _list(name: str, cultures: Sequence[str], rows: Iterator[tuple[int, Mapping[str, str]]]) -> TextList:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 import threading
 import zipfile
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,8 @@ from plcgen.base.files.hashes import same_text
 from plcgen.build.environment import RenderedFile
 from plcgen.build.rendering import render_project
 from plcgen.build.writing import file_diff
-from plcgen.ds47.plan.nouns import DrivePlan
+from plcgen.ds47.hmi.lists import list_of
+from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.project.nouns import Project
 from plcgen.report.review.collect import sheet_of
 from plcgen.report.review.data import sheet_data
@@ -101,7 +103,7 @@ def _placed(sheet: dict[str, Any], project: Project, blocks: Mapping[str, Sequen
 def panel(made: Made) -> dict[str, Any]:
     """What a panel needs: members of the data blocks by name and address, and the flags of jobs."""
     plan = made.project.plan(DrivePlan)
-    drives = [job.member for job in plan.jobs] if plan else []
+    drives = {job.member: job for job in plan.jobs} if plan else {}
     blocks = [
         {"name": name, "tags": [{**tag._asdict(), "list": _text_list(tag, drives)} for tag in tags]}
         for name, tags in tags_of(made.project, sources(made)).items()
@@ -134,21 +136,10 @@ def shown(made: Made, spec: Path, name: str) -> dict[str, Any] | None:
     }
 
 
-_LISTS = {
-    "status": "DriveJobStatus", "recordStatus": "DriveRecordStatus", "errors": "DriveJobErrors",
-    "valueFormat": "DriveValueFormats", "writeFormat": "DriveValueFormats",
-}  # fmt: skip
-"""Text lists by the members of a drive job that they are for: docs/hmi.md."""
-
-
-def _text_list(tag: PanelTag, drives: Collection[str]) -> str:
+def _text_list(tag: PanelTag, drives: Mapping[str, DriveJob]) -> str:
     """The text list that a field with this tag shows; "" for none."""
-    _, job, *members = *tag.symbolic.split("."), "", ""
-    return (
-        _LISTS.get(next((part for part in reversed(members) if part), "").partition("[")[0], "")
-        if job in drives
-        else ""
-    )
+    _, member, *path = *re.sub(r"\[[^]]*\]", "", tag.symbolic).split("."), ""
+    return list_of(drives[member], path[:-1]) if member in drives and path[:-1] else ""
 
 
 def _flags(made: Made) -> Iterator[dict[str, str]]:

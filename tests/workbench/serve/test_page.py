@@ -264,7 +264,8 @@ def test_two_versions_are_compared_in_tables(browser: Page) -> None:
         browser.evaluate(f"""(() => {{
           const data = new DataTransfer();
           data.items.add(new File([{json.dumps(source.format(more))}], "a.scl"));
-          document.querySelector('[data-drop="{where}"]').dispatchEvent(new DragEvent("drop", {{ dataTransfer: data, bubbles: true }}));
+          const drop = new DragEvent("drop", {{ dataTransfer: data, bubbles: true }});
+          document.querySelector('[data-drop="{where}"]').dispatchEvent(drop);
         }})()""")
     browser.click("#tab-tools")
     browser.wait("!!document.querySelector('#tool-result iframe')")

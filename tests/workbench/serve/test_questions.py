@@ -387,7 +387,19 @@ def test_a_panel_begins_with_the_jobs(folder: Path, server: Server) -> None:
     assert lists['"DriveJobs".setRamps.status'] == "DriveJobStatus"
     assert lists['"DriveJobs".setRamps.diagnosis.recordStatus'] == "DriveRecordStatus"
     assert lists['"DriveJobs".setRamps.diagnosis.errors[2]'] == "DriveJobErrors"
-    assert {name for name, one in lists.items() if one and ".status" not in name and ".diagnosis." not in name} == set()
+    numbers = {name: one for name, one in lists.items() if one and ".status" not in name and ".diagnosis." not in name}
+    assert numbers == {f'"DriveJobs".readFaults.faultCode[{at}]': "DriveFaults" for at in range(8)}
+    for device, jobs, named in (
+        ("sinamics-s120", "now: {drive: axis, faults: current}", "DriveFaults"),
+        ("sinamics-s120", "now: {drive: axis, alarms: current}", "DriveAlarms"),
+        ("profidrive", "now: {drive: axis, read: [r945]}", ""),
+    ):
+        found = server.told("tags", {"name": "b.yaml", "text": f"{drives_of(device)}jobs: {{{jobs}}}\n"})
+        told = [(tag["symbolic"], tag["list"]) for block in found["blocks"] for tag in block["tags"]]
+        shown = {
+            one for name, one in told if one in {"DriveFaults", "DriveAlarms"} and name.startswith('"DriveJobs".now')
+        }
+        assert shown == ({named} if named else set())
 
 
 def test_a_fault_by_hand_delays_the_job(folder: Path, server: Server) -> None:
