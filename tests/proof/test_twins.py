@@ -35,7 +35,7 @@ def pair(name: str, change: tuple[str, str] | None = None):
 def test_shipped_twins_say_the_same(name: str) -> None:
     """An FB, its instance DB, the OB."""
     text, document, known = pair(name)
-    problem, count = difference(text, document, known)
+    problem, count, _ = difference(text, document, known)
     assert problem == ""
     assert (count > 0) == (text.code is not None)
 
@@ -57,7 +57,7 @@ def test_shipped_twins_say_the_same(name: str) -> None:
 )  # fmt: skip
 def test_every_difference_is_found(name: str, change: tuple[str, str], expected: str) -> None:
     """Tokens, names, types, start values, comments, versions, titles, what an instance is made from."""
-    problem, _ = difference(*pair(name, change))
+    problem, _, _ = difference(*pair(name, change))
     assert expected in problem
 
 
@@ -65,7 +65,12 @@ def test_verify_says_it(tmp_path: Path) -> None:
     """A source changed by hand, and a document that is gone, are errors of the folder."""
     assert api.generate(FAQ, tmp_path / "out").ok
     source = tmp_path / "out/scl/ReadRampUp.scl"
-    source.write_text(source.read_text("utf-8-sig").replace("LIMIT(MN := 1,", "LIMIT(MN := 2,"), "utf-8-sig")
+    text = source.read_text("utf-8-sig")
+    source.write_text(text.replace("LIMIT(MN := 1,", "LIMIT(MN := 2,"), "utf-8-sig")
+    (edited,) = [number for number, line in enumerate(text.splitlines(), 1) if "LIMIT(MN := 1," in line]
+    found = api.verify(FAQ, tmp_path / "out", faults="none")
+    (told,) = [c.diagnostic for c in found.checks() if c.id == "files.twins"]
+    assert (told.span.file, told.span.line) == (str(source), edited)
     (tmp_path / "out/xml/Main.xml").unlink()
     found = api.verify(FAQ, tmp_path / "out", faults="none")
     (check,) = [c for c in found.checks() if c.id == "files.twins"]

@@ -107,7 +107,7 @@ export function verifyTab(desk, source) {
   };
 }
 
-const SHOWN = /\.(scl|udt|db|awl|csv|md|json)$/i;
+const SHOWN = /\.(scl|udt|db|awl|csv|md)$/i;
 
 // Of two rows of bytes in a message those that differ are marked.
 function differing(text) {
