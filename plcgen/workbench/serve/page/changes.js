@@ -1,11 +1,11 @@
 // What two versions differ in: what somebody notices of each job, then every change by subject.
 import { h, table } from "./dom.js";
-import { word } from "./words.js";
+import { named, word } from "./words.js";
 
 const MOST = 6;  // subjects that are open
 
 export function changesView(found) {
-  const chip = (level) => h("span", { class: `chip l-${level}` }, word(level));
+  const chip = (level) => h("span", { class: `chip l-${level}` }, named("level", level));
   const subjects = [...new Set(found.rows.map((one) => one.subject))];
   return h("div", { class: "changes" },
     h("p", { class: "verdict" }, h("b", {}, found.counts)),
