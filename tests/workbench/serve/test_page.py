@@ -234,7 +234,8 @@ def test_a_failed_check_opens_its_run(browser: Page, folder: Path) -> None:
     browser.click("#write-now")
     browser.click("#written-close")
     (source,) = (folder / "s7-1500_g120_pn_generated").glob("*.scl")
-    broken = source.read_text("utf-8").replace("#done := #tempResult = #STATUS_DONE;", "#done := FALSE;")
+    right = source.read_text("utf-8")
+    broken = right.replace("#done := #tempResult = #STATUS_DONE;", "#done := FALSE;")
     assert broken != source.read_text("utf-8")
     source.write_text(broken, "utf-8")
     browser.click("#tab-verify")
@@ -248,7 +249,7 @@ def test_a_failed_check_opens_its_run(browser: Page, folder: Path) -> None:
     browser.click("#language")
     browser.sees("#verified .verdict", "fehlgeschlagen")
     browser.click("#language")
-    line = next(number for number, one in enumerate(broken.splitlines(), 1) if "#done := FALSE;" in one)
+    line = next(number for number, one in enumerate(right.splitlines(), 1) if "#done := #tempResult" in one)
     browser.click(".open-line", "difference")
     browser.sees(".code .minus", "#done := FALSE;")
     assert browser.evaluate("document.querySelector('#side [aria-pressed=true]').dataset.key") == source.name

@@ -2,35 +2,20 @@
 import { fill, h, option, field } from "./dom.js";
 import { ask, attempt } from "./ask.js";
 import { word } from "./words.js";
-import { follow } from "./verify.js";
+import { working } from "./verify.js";
 
 export function reviewTab(desk) {
   const origin = h("select", {}, option("made", word("asMade")), option("disk", word("onDisk")));
   const bases = h("datalist", { id: "bases" });
   const base = h("input", { id: "base", size: 24, placeholder: word("nothingChosen"), title: word("against") });
   base.setAttribute("list", "bases");
-  const start = h("button", { class: "main", id: "review-start" }, word("makeReview"));
-  const cancel = h("button", { disabled: true, onclick: () => attempt(() => ask("cancel")) }, word("cancel"));
-  const bar = h("progress", { hidden: true });
-  const told = h("span", { class: "quiet", role: "status" });
   const keep = h("a", { class: "button", hidden: true }, word("keep"));
-  const body = h("div", { class: "framed", id: "review" }, h("p", { class: "empty" }, word("reviewHint")));
-  let now = null;  // what is shown, or worked at
-  start.addEventListener("click", () => {
-    const asked = { ...desk.now, origin: origin.value, base: base.value.trim() };
-    work(() => ask("review", asked), asked);
-  });
-  async function work(begin, asked) {
-    start.disabled = true;
-    cancel.disabled = false;
-    now = { asked };
-    const found = await follow(begin, bar, told);
-    start.disabled = false;
-    cancel.disabled = true;
-    if (found && asked.name === desk.name) show(found, asked);
-  }
+  const body = h("div", { class: "framed", id: "review" });
+  const empty = () => {
+    fill(body, h("p", { class: "empty" }, word("reviewHint")));
+    keep.hidden = true;
+  };
   function show(found, asked) {
-    now = { found, asked };
     base.value = asked.base;
     origin.value = asked.origin;
     fill(body, h("iframe", { src: `made/${found.page}`, title: word("tabReview"), sandbox: "allow-scripts allow-modals allow-downloads" }));
@@ -38,22 +23,14 @@ export function reviewTab(desk) {
     keep.href = `made/${found.page}`;
     keep.setAttribute("download", found.name);
   }
+  empty();
+  const work = working(desk, "review", word("makeReview"), () => ({ origin: origin.value, base: base.value.trim() }), show, empty);
   return {
-    key: "review", title: "tabReview",
-    content: h("div", { class: "stack" }, h("div", { class: "bar views" }, field(word("source"), origin), field(word("compareWith"), base), bases, start, cancel, keep, bar, told), body),
+    key: "review", title: "tabReview", ...work,
+    content: h("div", { class: "stack" }, h("div", { class: "bar views" }, field(word("source"), origin), field(word("compareWith"), base), bases, work.controls, keep), body),
     async shown() {
       const found = desk.name ? await attempt(() => ask("bases", { name: desk.name })) : null;
       fill(bases, (found?.bases ?? []).map(([name, text]) => option(name, text || name)));
-    },
-    kept: () => now,
-    resume(before) {
-      if (before?.found) show(before.found, before.asked);
-      else if (before) work(() => ask("state"), before.asked);
-    },
-    cleared() {
-      now = null;
-      fill(body, h("p", { class: "empty" }, word("reviewHint")));
-      keep.hidden = true;
     },
   };
 }

@@ -48,6 +48,7 @@ export function runTab(desk) {
 
   function prepare(found) {
     load.textContent = word("restart");
+    state.drawn = 0;
     fill(members, found.members.map((path) => option(path.replace(/"/g, ""))));
     fill(faults, faultForm(found.faults, (given, form) => act(() => ask("strike", given), form)));
     fill(partners, valueFields(found.partners.map((one) => ({ ...one, path: one.name })), held(found), put, true));
@@ -126,7 +127,8 @@ export function runTab(desk) {
   const held = (found) => Object.fromEntries(found.partners.map((one) => [one.name, one.value]));
 
   function drawWire() {
-    if (!state.contacts.length) return;
+    if (state.contacts.length === state.drawn) return;  // a click on what stays is not lost
+    state.drawn = state.contacts.length;
     fill(wire, state.contacts.slice(-300).reverse().map((one) => h("button", { class: `row ${one.direction}`, "data-scan": String(one.scan), onclick: () => open(one) },
       h("span", { class: "n" }, String(one.scan)), h("span", {}, one.direction === "write" ? "\u2192" : "\u2190"), h("small", {}, one.drive), h("span", {}, one.text))));
   }

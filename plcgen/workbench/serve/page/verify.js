@@ -4,63 +4,63 @@ import { ask, attempt } from "./ask.js";
 import { word } from "./words.js";
 import { Lanes, telegramTable } from "./lanes.js";
 
-// Follow the work of the server until it ends: its result, or nothing if it was cancelled or failed.
-export async function follow(begin, bar, told) {
-  const started = await attempt(begin);
-  if (!started) return undefined;
-  bar.hidden = false;
-  try {
+// The work of a tab: begun by its button, shown when it ends, kept while the page changes its language.
+export function working(desk, question, label, given, show, empty) {
+  const start = h("button", { class: "main", id: `${question}-start` }, label);
+  const cancel = h("button", { id: `${question}-cancel`, disabled: true, onclick: () => attempt(() => ask("cancel")) }, word("cancel"));
+  const bar = h("progress", { hidden: true });
+  const told = h("span", { class: "quiet", role: "status" });
+  let now = null;  // what was asked, and what came of it
+
+  async function work(begin, asked) {
+    const mine = now = { asked, started: attempt(begin) };
+    empty();
+    const started = await mine.started;
+    if (!started) return;
+    bar.hidden = cancel.disabled = !(start.disabled = true);
     for (;;) {
-      const now = await attempt(() => ask("state"));
-      if (!now || now.number !== started.number) return undefined;
-      bar.max = now.total || 1;
-      bar.value = now.done;
-      fill(told, now.ended ? "" : `${now.what} ${now.total ? `${now.done} / ${now.total}` : ""}`);
-      if (now.ended) {
-        if (now.cancelled) fill(told, word("cancelled"));
-        return now.result ?? undefined;
-      }
+      const state = await attempt(() => ask("state"));
+      if (!state || state.number !== started.number) break;
+      bar.max = state.total || 1;
+      bar.value = state.done;
+      fill(told, state.ended ? (state.cancelled ? word("cancelled") : "") : `${state.what} ${state.total ? `${state.done} / ${state.total}` : ""}`);
+      if (state.ended) mine.found = state.result;
+      if (state.ended) break;
       await new Promise((wake) => setTimeout(wake, 200));
     }
-  } finally {
-    bar.hidden = true;
+    bar.hidden = cancel.disabled = !(start.disabled = false);
+    if (mine.found && now === mine) show(mine.found, asked);
   }
+  start.addEventListener("click", () => {
+    const asked = { ...desk.now, ...given() };
+    work(() => ask(question, asked), asked);
+  });
+  return {
+    controls: [start, cancel, bar, told],
+    kept: () => now,
+    resume(before) {
+      if (!before) return;
+      now = before;
+      if (now.found) show(now.found, now.asked);
+      else work(() => before.started, now.asked);
+    },
+    cleared() {
+      now = null;
+      fill(told);
+      empty();
+    },
+  };
 }
 
 export function verifyTab(desk, source) {
-  let now = null;  // what is shown, or worked at
-
   const origin = h("select", { id: "verify-files" }, option("made", word("asMade")), option("disk", word("onDisk")));
   const effort = h("select", { id: "effort" }, option("none", word("faultsNone")), option("quick", word("faultsQuick"), true), option("full", word("faultsFull")));
-  const start = h("button", { class: "main", id: "verify-start" }, word("begin"));
-  const cancel = h("button", { id: "verify-cancel", disabled: true, onclick: () => attempt(() => ask("cancel")) }, word("cancel"));
-  const bar = h("progress", { hidden: true });
-  const told = h("span", { class: "quiet", id: "verify-told", role: "status" });
   const body = h("div", { class: "body", id: "verified" });
 
-  start.addEventListener("click", () => {
-    const asked = { ...desk.now, origin: origin.value, faults: effort.value };
-    work(() => ask("verify", asked), asked);
-  });
-  async function work(begin, asked) {
-    start.disabled = true;
-    cancel.disabled = false;
-    fill(body);
-    now = { asked };
-    const found = await follow(begin, bar, told);
-    start.disabled = false;
-    cancel.disabled = true;
-    if (found && asked.name === desk.name) show(found, asked);
-    else if (!found) empty();
-  }
-  const empty = () => {
-    now = null;
-    fill(body, h("p", { class: "empty" }, word("verifyHint")));
-  };
+  const empty = () => fill(body, h("p", { class: "empty" }, word("verifyHint")));
   empty();
 
   function show(found, asked) {
-    now = { found, asked };
     origin.value = asked.origin;
     effort.value = asked.faults;
     const outcomes = Object.entries(found.summary).map(([name, count]) => h("span", { class: `chip o-${name}` }, `${count} ${word(`o_${name}`)}`));
@@ -95,15 +95,10 @@ export function verifyTab(desk, source) {
       h("td", { class: `o-${one.outcome.replace(" ", "_")}` }, one.outcome === "error" ? word("o_error") : one.verdict)), one.runs ? below : null];
   }
 
+  const work = working(desk, "verify", word("begin"), () => ({ origin: origin.value, faults: effort.value }), show, empty);
   return {
-    key: "verify", title: "tabVerify",
-    content: h("div", { class: "stack" }, h("div", { class: "bar views" }, field(word("source"), origin), field(word("effort"), effort), start, cancel, bar, told), body),
-    cleared() { empty(); fill(told); },
-    kept: () => now,
-    resume(before) {
-      if (before?.found) show(before.found, before.asked);
-      else if (before) work(() => ask("state"), before.asked);
-    },
+    key: "verify", title: "tabVerify", ...work,
+    content: h("div", { class: "stack" }, h("div", { class: "bar views" }, field(word("source"), origin), field(word("effort"), effort), work.controls), body),
   };
 }
 
