@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -68,6 +68,10 @@ class Wording(Protocol):
     @property
     def tag_table(self) -> str:
         """Name of its tag table, without the prefix of the project."""
+
+    @property
+    def controls(self) -> Collection[str]:
+        """Names in capitals of the data blocks with the structures of its jobs."""
 
     def member(self, block: Block, path: Sequence[str], offset: int | None) -> frozenset[str] | None:
         """What the member at a path may say of itself; ``offset`` in bytes, None if there is none."""

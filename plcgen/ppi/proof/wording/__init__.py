@@ -47,6 +47,11 @@ class PpiWording:
         self.instances = {block.name.upper() for block in own}
         self.control, self.diagnostics = plan.control_db.name.upper(), plan.diagnostics_type.name.upper()
 
+    @property
+    def controls(self) -> tuple[str]:
+        """One for all masters."""
+        return (self.control,)
+
     @cached_property
     def buffers(self) -> dict[str, tuple[PlannedMaster, PpiTelegram, bool]]:
         """Master, telegram, and whether it is the answer, of every type and data block of a telegram."""
