@@ -218,13 +218,13 @@ def test_cells():
 
 
 def test_files_of_another_state_of_the_spec_are_told_alone():
-    """What fails because of that is counted only; if nothing fails, all checks are shown with the warning among them."""
+    """What fails because of that is counted only; if nothing fails, all checks are shown, the warning among them."""
     import dataclasses
 
     place = Span("out")
     stale = Diagnostic("PG504", "made from another state", place, Severity.WARNING, help="run plcgen generate")
     check = Check("files.manifest", "files", "38 files", Outcome.WARNING, stale.message, stale)
-    groups = (CheckGroup("Files", (check,)), *results.VERIFICATION.groups)
+    groups = (CheckGroup("files", "Files", (check,)), *results.VERIFICATION.groups)
     text = verification_text(dataclasses.replace(results.VERIFICATION, groups=groups), PLAIN)
     assert text == (
         "Demo, s7-300 / tia-v16: out\n"
