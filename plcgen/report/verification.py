@@ -47,7 +47,7 @@ def verification_text(verification: Verification, view: View) -> str:
 
 
 def _stale(verification: Verification) -> list[Diagnostic]:
-    """That the files are not of this spec, and what is wrong with the spec itself, if checks fail: nothing else counts."""
+    """That the files are not of this spec, and what is wrong outside of checks; empty if no check fails."""
     if verification.ok or not any(one.code == "PG504" for one in verification.problems):
         return []
     return [one for one in verification.problems if one.code == "PG504" or one in verification.outside]
