@@ -116,7 +116,7 @@ def test_code_is_not_cut(page: str, site: Path) -> None:
     """Every block of code is as wide as its widest line at a width of 1400 px; these pages have the longest lines."""
     cut = """Array.from(document.querySelectorAll("pre > code")).filter((one) => one.scrollWidth > one.clientWidth)
       .map((one) => one.textContent.slice(0, 60))"""
-    assert evaluate(site / f"{page}.html", site, cut, policy=False) == []
+    assert evaluate(site / f"{page}.html", cut, policy=False) == []
 
 
 @pytest.mark.slow
