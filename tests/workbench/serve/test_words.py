@@ -25,8 +25,7 @@ PAGE = {path.name: path.read_text("utf-8") for path in FOLDER.glob("*.*") if pat
 def test_every_line_of_a_table_is_a_label() -> None:
     """Nothing stands in a table in a form that the other tests would not see."""
     for language, table in TABLES.items():
-        lines = PAGE[f"words.{language}.js"].splitlines()
-        assert len(table) == len(lines) - 3, language
+        assert len(table) == len(PAGE[f"words.{language}.js"].splitlines()) - 3, language
 
 
 @pytest.mark.parametrize("language", TABLES)

@@ -159,6 +159,11 @@ def _end(node: YamlNode) -> int:
     return max(first, end - 1) if node.span.end_column <= 1 else max(first, end)
 
 
+def in_flow(reference: str) -> str:
+    """A reference as it may stand in brackets."""
+    return f'"{reference}"' if "[" in reference else reference
+
+
 def add_parameter(entries: Entries, job: Sequence[str], reference: str, *, writes: bool) -> str:
     """The text with a parameter read or written by a job, by whatever of the two it does already."""
     node = entries.at(*job)
@@ -174,10 +179,10 @@ def add_parameter(entries: Entries, job: Sequence[str], reference: str, *, write
         if other:
             does = f'the job "{job[-1]}" has {other}: a job does one of them'
             raise refused(entries.name, does, f"add a job for {key}, or choose one of the list that has it")
-        return entries.add(job, key, f"{{{reference}: }}" if writes else f"[{reference}]")
+        return entries.add(job, key, f"{{{in_flow(reference)}: }}" if writes else f"[{in_flow(reference)}]")
     if there.kind == "map":
-        return entries.add([*job, key], reference, "")
-    return entries.append([*job, key], reference)
+        return entries.add([*job, key], in_flow(reference), "")
+    return entries.append([*job, key], in_flow(reference))
 
 
 def _named(node: YamlNode) -> list[str]:
