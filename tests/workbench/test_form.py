@@ -267,12 +267,12 @@ def test_a_parameter_is_removed_but_not_the_only_one(desk: Desk) -> None:
 
 def test_what_is_used_stays(desk: Desk) -> None:
     """A drive that jobs name is not removed: the reason names them; nor is what stands nowhere."""
-    with pytest.raises(DiagnosticError, match='"axis" is used by ramps, speed'):
+    with pytest.raises(DiagnosticError, match='"axis" is used by "ramps, speed"'):
         made(desk, PLANT, "remove", path="drives/axis")
     with pytest.raises(DiagnosticError, match="there is no"):
         made(desk, PLANT, "remove", path="jobs/nobody")
     text = made(desk, PLANT, "station", key="well")
-    with pytest.raises(DiagnosticError, match='"well" is used by read_well'):
+    with pytest.raises(DiagnosticError, match='"well" is used by "read_well"'):
         made(desk, text, "remove", path="ppi/line/stations/well")
 
 

@@ -190,7 +190,9 @@ async function begin() {
     label(document);
     $("#language").textContent = language === "de" ? "EN" : "DE";
     const source = (file, line) => { goTo("becomes"); views.source(file, line); }, views = becomesTab(desk, written);
+    const kept = tabs.map((tab) => tab.kept?.());  // what was shown in the other language
     build([specTab(desk, room), views, runTab(desk), verifyTab(desk, source), reviewTab(desk), toolsTab(desk, () => goTo("tools"))]);
+    kept.forEach((one, place) => one && tabs[place].again(one));
     if (desk.checked) for (const tab of tabs) tab.checked?.(desk.checked);
   };
   draw();

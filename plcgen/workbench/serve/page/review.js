@@ -13,6 +13,7 @@ export function reviewTab(desk) {
   const told = h("span", { class: "quiet", role: "status" });
   const keep = h("a", { class: "button", hidden: true }, word("keep"));
   const body = h("div", { class: "framed", id: "review" }, h("p", { class: "empty" }, word("reviewHint")));
+  let last = null;
   start.addEventListener("click", async () => {
     start.disabled = true;
     cancel.disabled = false;
@@ -21,17 +22,24 @@ export function reviewTab(desk) {
     start.disabled = false;
     cancel.disabled = true;
     if (!found || asked.name !== desk.name) return;
+    show(found);
+  });
+  function show(found) {
+    last = found;
     fill(body, h("iframe", { src: `made/${found.page}`, title: word("tabReview"), sandbox: "allow-scripts allow-modals allow-downloads" }));
     keep.hidden = false;
     keep.href = `made/${found.page}`;
     keep.setAttribute("download", found.name);
-  });
+  }
   return {
     key: "review", title: "tabReview",
     content: h("div", { class: "stack" }, h("div", { class: "bar views" }, field(word("source"), origin), field(word("compare"), base), start, cancel, keep, bar, told), body),
     cleared() {
       fill(body, h("p", { class: "empty" }, word("reviewHint")));
       keep.hidden = true;
+      last = null;
     },
+    kept: () => last,
+    again: show,
   };
 }

@@ -41,7 +41,14 @@ export function runTab(desk) {
   }
 
   function start(found) {
-    state = { ...found, series: new Map(), known: [], contacts: [], on: new Map(found.jobs.map((one) => [one.key, false])) };
+    state = { ...found, series: new Map(), known: [], contacts: [] };
+    dress();
+    take(found);
+  }
+
+  function dress() {
+    const found = state;
+    load.textContent = word("restart");
     fill(members, found.members.map((path) => option(path.replace(/"/g, ""))));
     fill(faults, faultForm(found.faults, (given) => act(() => ask("strike", given))));
     for (const one of [hand, setting.form, driven]) one.hidden = false;
@@ -50,7 +57,6 @@ export function runTab(desk) {
     fill(wire, h("p", { class: "quiet" }, word("noExchange")));
     for (const one of [run, step, ten]) one.disabled = false;
     buildJobs(found);
-    take(found);
   }
 
   function take(found) {
@@ -62,7 +68,7 @@ export function runTab(desk) {
       for (const [id, value] of Object.entries(each.changes)) state.series.get(id)?.push([each.scan, value]);
       for (const one of each.exchanges) state.contacts.push({ ...one, scan: each.scan, time: each.time });
     }
-    state.scan = found.scan;
+    Object.assign(state, { ...found, signals: [], steps: [] });
     fill(where, `${word("scan")} ${found.scan}, ${found.time} ms`, found.stopped ? h("b", { class: "bad" }, " STOP") : null);
     if (found.stopped || found.full) pause();
     for (const one of found.diagnostics.filter((each) => each.severity === "error")) fill(decoded, h("p", { class: "bad" }, `${one.code}: ${one.message}`));
@@ -161,10 +167,7 @@ export function runTab(desk) {
     load.disabled = true;
     const found = await attempt(() => ask("load", { ...desk.now, origin: origin.value, scan_time: Number(time.value) || 10 }));
     load.disabled = false;
-    if (found) {
-      load.textContent = word("restart");
-      start(found);
-    }
+    if (found) start(found);
   });
   run.addEventListener("click", () => {
     if (going) return pause();
@@ -193,5 +196,14 @@ export function runTab(desk) {
         h("div", { class: "middle" }, lanes.box, h("div", { class: "below" }, h("div", {}, h("h3", {}, word("exchanges")), wire), decoded)))),
     shown() { lanes.size(); },
     cleared,
+    kept() {
+      pause();
+      return state;
+    },
+    again(one) {
+      state = one;
+      dress();
+      take(one);
+    },
   };
 }

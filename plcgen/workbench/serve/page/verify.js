@@ -1,7 +1,7 @@
 // Verification with progress; a check that failed opens its run, at its scan.
 import { fill, h, option, field, table } from "./dom.js";
 import { ask, attempt } from "./ask.js";
-import { word } from "./words.js";
+import { named, word } from "./words.js";
 import { Lanes, telegramTable } from "./lanes.js";
 
 // Follow the work of the server until it ends: its result, or nothing if it was cancelled or failed.
@@ -15,7 +15,7 @@ export async function follow(begin, bar, told) {
       if (!now || now.number !== started.number) return undefined;
       bar.max = now.total || 1;
       bar.value = now.done;
-      fill(told, now.ended ? "" : `${now.what} ${now.total ? `${now.done} / ${now.total}` : ""}`);
+      fill(told, now.ended ? "" : `${named("step", now.what.split(" ")[0], now.what)} ${now.total ? `${now.done} / ${now.total}` : ""}`);
       if (now.ended) {
         if (now.cancelled) fill(told, word("cancelled"));
         return now.result ?? undefined;
@@ -35,6 +35,7 @@ export function verifyTab(desk, source) {
   const bar = h("progress", { hidden: true });
   const told = h("span", { class: "quiet", id: "verify-told", role: "status" });
   const body = h("div", { class: "body", id: "verified" });
+  let last = null;
 
   start.addEventListener("click", async () => {
     start.disabled = true;
@@ -51,6 +52,7 @@ export function verifyTab(desk, source) {
   empty();
 
   function show(found, asked) {
+    last = [found, asked];
     const outcomes = Object.entries(found.summary).map(([name, count]) => h("span", { class: `chip o-${name}` }, `${count} ${word(`o_${name}`)}`));
     const left = found.groups.flatMap((group) => group.checks).filter((one) => one.outcome === "not run");
     const problems = found.diagnostics.filter((one) => one.severity !== "note");
@@ -60,7 +62,7 @@ export function verifyTab(desk, source) {
         h("ul", {}, left.map((one) => h("li", {}, h("b", {}, one.subject), ` ${one.text} `, h("span", { class: "quiet" }, one.verdict === "not asked for" ? word("notAsked") : one.verdict))))) : null,
       problems.map((one) => h("p", { class: one.severity === "error" ? "bad" : "" }, `${one.code}: ${one.message}`, h("small", {}, ` ${one.help}`))),
       found.groups.map((group) => h("details", { open: group.checks.some((one) => one.outcome === "error") || group.name === "execution" },
-        h("summary", {}, h("b", {}, group.title), h("small", {}, ` ${group.checks.length}, ${group.checks.filter((one) => one.outcome === "error").length} ${word("o_error")}`)),
+        h("summary", {}, h("b", {}, named("group", group.name, group.title)), h("small", {}, ` ${group.checks.length}, ${group.checks.filter((one) => one.outcome === "error").length} ${word("o_error")}`)),
         table([word("subject"), word("check"), word("result")], group.checks.map((one) => row(one, asked)), "dense"))),
       h("details", {}, h("summary", {}, word("ledger")), table([word("subject"), word("meaning"), word("source"), ""], found.ledger.map((one) => h("tr", {},
         h("td", {}, one.subject), h("td", {}, one.text), h("td", {}, one.source), h("td", {}, one.grade))), "dense")));
@@ -85,7 +87,9 @@ export function verifyTab(desk, source) {
   return {
     key: "verify", title: "tabVerify",
     content: h("div", { class: "stack" }, h("div", { class: "bar views" }, field(word("source"), origin), field(word("effort"), effort), start, cancel, bar, told), body),
-    cleared() { empty(); fill(told); },
+    cleared() { empty(); fill(told); last = null; },
+    kept: () => last,
+    again: (one) => show(...one),
   };
 }
 

@@ -124,7 +124,8 @@ class Entries:
         indent = " " * (parent.span.column - 1)
         dash = "- " if braces == "[]" else ""
         last, firsts = self._with_comments(last, parent.span.column), [key.span for key, _ in parent.pairs.values()]
-        apart = len(firsts) > 1 and not self.lines[firsts[-1].line - 2].strip()
+        alone = len(firsts) == 1 and _end(parent.children[0]) > firsts[0].line
+        apart = alone or (len(firsts) > 1 and not self.lines[firsts[-1].line - 2].strip())
         return self._insert(last, f"{chr(10) if apart else ''}{indent}{dash}{entry}\n")
 
     def _first(self, path: Sequence[str], key: str, body: str) -> str:
@@ -173,12 +174,12 @@ def add_parameter(entries: Entries, job: Sequence[str], reference: str, *, write
     there = node.get(key)
     number = reference.lstrip("PpRr")
     if there is not None and any(number == old.lstrip("PpRr") for old in _named(there)):
-        raise refused(entries.name, f'the job "{job[-1]}" has {reference} already')
+        raise refused(entries.name, f'the job "{job[-1]}" has "{reference}" already')
     if there is None:
         other = next((one for one in ("read", "write", "compare") if node.get(one) is not None), "")
         if other:
-            does = f'the job "{job[-1]}" has {other}: a job does one of them'
-            raise refused(entries.name, does, f"add a job for {key}, or choose one of the list that has it")
+            does = f'the job "{job[-1]}" has "{other}": a job does one of them'
+            raise refused(entries.name, does, f'add a job for "{key}", or choose one of the list that has it')
         return entries.add(job, key, f"{{{in_flow(reference)}: }}" if writes else f"[{in_flow(reference)}]")
     if there.kind == "map":
         return entries.add([*job, key], in_flow(reference), "")

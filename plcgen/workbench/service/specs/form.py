@@ -52,7 +52,7 @@ def put_in(state: SpecState, what: str, given: Given) -> tuple[Edit, ...]:
     for key in ("parameter", "type", "trigger", "recipe", "line", "cpu", "unit", "value"):
         word = given.get(key, "").strip()
         if word and not (_UNIT if key == "unit" else _WORD).match(word):
-            raise refused(state.document.file, f'"{word}" cannot be put in as {key}', "write it into the text")
+            raise refused(state.document.file, f'"{word}" cannot be put in as "{key}"', "write it into the text")
     entries = Entries(state.document.text, state.document.file)
     return difference(state.document, _PUTS[what](state, entries, given))
 
@@ -173,7 +173,7 @@ def _parameter(state: SpecState, entries: Entries, given: Given) -> str:
     records = entries.at(*path, "records")
     for record in records.pairs if records is not None else ():
         if not value:
-            raise refused(state.document.file, "every record needs a value", "type the value that they begin with")
+            raise refused(state.document.file, "every record needs a value", "type it above the search")
         entries = entries.then(entries.add([*path, "records", record], in_flow(text), value))
     return entries.text
 
@@ -221,7 +221,7 @@ def _removed(state: SpecState, entries: Entries, given: Given) -> str:
     path = given.get("path", "").split("/")
     uses = _uses(state, path) if path[-2:-1] in (["drives"], ["stations"]) else []
     if uses:
-        raise refused(state.document.file, f'"{path[-1]}" is used by {", ".join(uses)}', "remove these jobs first")
+        raise refused(state.document.file, f'"{path[-1]}" is used by "{", ".join(uses)}"', "remove these jobs first")
     parent = entries.at(*path[:-1])
     if path[-2:-1] in (["read"], ["write"], ["compare"]) and parent is not None and len(parent.children) == 1:
         raise refused(state.document.file, "the job has no other parameter", "remove the job, or add another one first")
