@@ -120,7 +120,7 @@ function replayed(found) {
     return [...[["execute", 1, "main"], ["busy", 2, "note"], ["done", 3, "good"], ["error", 4, "bad"]].map(([title, place, style]) => ({ title, group, kind: "bool", style, series: series(place) })),
       { title: "status", group, kind: "state", series: series(5) }];
   });
-  list.push({ title: word("telegrams").toLowerCase(), group: "", kind: "mark", style: "main", series: found.exchanges.map((one) => [one.scan, true]) });
+  list.push({ title: word("telegrams"), group: "", kind: "mark", style: "main", series: found.exchanges.map((one) => [one.scan, true]) });
   const room = h("div", { class: "replay" },
     h("p", {}, h("b", {}, found.scenario), " ", found.failure ? h("span", { class: "bad" }, `${word("scan")} ${found.failure.scan}: ${found.failure.text} (${found.failure.file}:${found.failure.line})`) : word("notAgain")),
     lanes.box, h("div", { class: "wire" }, found.exchanges.slice(-40).map((one) => h("button", { class: "row", onclick: () => { lanes.go(one.scan); decode(one); } },
