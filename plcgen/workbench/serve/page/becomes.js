@@ -93,8 +93,8 @@ export function becomesTab(desk, written) {
     if (!made.writes.length) return fill(body, h("p", { class: "empty" }, word("nothingWritten")));
     const heads = ["job", "partners", "parameter", "value", "limits", "trigger", "memory", "danger"].map((key) => word(key));
     const rows = made.writes.map((one) => h("tr", { class: one.danger ? "danger" : "" }, [
-      one.job, one.partners.join(", "), [h("b", {}, one.parameter), ` ${one.text}`], [`${one.value} ${one.unit}`.trim(), one.input ? h("small", {}, ` ${word("input")}`) : null],
-      one.limits, one.trigger, one.memory.split("; ").map(said).join("; "), [one.danger, one.signed ? h("div", { class: "good" }, `${word("signed")}: ${one.signed}`) : null],
+      one.job, one.partners.join(", "), [h("b", {}, one.parameter), ` ${one.text}`], [one.value, /^[-\d[]/.test(one.value) ? ` ${one.unit}` : null, one.input ? h("small", {}, ` ${word("input")}`) : null],
+      [one.limits, one.limits && ` ${one.unit}`], one.trigger, one.memory.split("; ").map(said).join("; "), [one.danger, one.signed ? h("div", { class: "good" }, `${word("signed")}: ${one.signed}`) : null],
     ].map((cell, place) => h("td", { "data-head": heads[place] }, h("div", {}, cell)))));
     fill(body, h("h3", {}, word("writes")), table(heads, rows, "dense cards"));
   }
