@@ -38,7 +38,7 @@ def browser(tmp_path: Path) -> Iterator[Page]:
     (tmp_path / "press").mkdir()
     (tmp_path / "press" / "plant.yaml").write_text(PLANT, "utf-8")
     shutil.copy(ROOT / "specs" / "s7-1200_s7-200_ppi.yaml", tmp_path / "press" / "wells.yaml")
-    with served(tmp_path / "press") as address, page(tmp_path) as found:
+    with served(tmp_path / "press") as address, page() as found:
         found.size(1400)
         found.open(address)
         found.wait("document.body?.dataset.ready === 'true'")

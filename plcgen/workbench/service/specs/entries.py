@@ -124,8 +124,7 @@ class Entries:
         indent = " " * (parent.span.column - 1)
         dash = "- " if braces == "[]" else ""
         last, firsts = self._with_comments(last, parent.span.column), [key.span for key, _ in parent.pairs.values()]
-        alone = len(firsts) == 1 and _end(parent.children[0]) > firsts[0].line
-        apart = alone or (len(firsts) > 1 and not self.lines[firsts[-1].line - 2].strip())
+        apart = len(firsts) > 1 and not self.lines[firsts[-1].line - 2].strip()
         return self._insert(last, f"{chr(10) if apart else ''}{indent}{dash}{entry}\n")
 
     def _first(self, path: Sequence[str], key: str, body: str) -> str:
