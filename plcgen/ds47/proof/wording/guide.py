@@ -15,6 +15,7 @@ from plcgen.ds47.proof.wording.grounds import Stated, service_numbers
 from plcgen.ds47.proof.wording.naming import labels, same_number
 from plcgen.ds47.wire.formats import unpack_values
 from plcgen.oracles.spec.ds47.signing import SAFETY
+from plcgen.project.target import Target
 from plcgen.proof.folder import plain
 from plcgen.proof.wording.languages import title_in
 from plcgen.proof.wording.model import GuideLine
@@ -48,7 +49,7 @@ def guide_before(plan: DrivePlan) -> list[GuideLine]:
     used = {drive.record_index for drive in plan.drives if drive.key in asked}
     found += [] if plan.target.classic else _said("constant")
     found += _said("record_47") if RECORD_47 in used and not plan.target.classic else []
-    found += _said("errors") if plan.target.classic else []
+    found += _errors(plan.target)
     found += _said("jobs", controls=", ".join(f"`{one.control.name}`" for one in plan.callers))
     found += [] if plan.target.v5 else _said("by_name")
     if served := [job for job in plan.jobs if job.serves]:
@@ -63,6 +64,14 @@ def guide_before(plan: DrivePlan) -> list[GuideLine]:
         found += [" ".join([*_said("numbers"), *_said("v5" if plan.target.v5 else "tia")]), *_said("buffers")]
         found += [f"| {db.name} | DB{db.number} |" for db in numbered]
     return [GuideLine(text) for text in found]
+
+
+def _errors(target: Target) -> list[str]:
+    """Error OBs of the family; CPUs of the S7-300 without PROFINET have no OB83."""
+    if target.t15:
+        return _said(f"errors_{target.family}")
+    without = target.family == "s7-300" and target.cpu is not None and "PN" not in target.cpu.name
+    return [line for line in _said("errors") if not (without and line.startswith("| OB83 "))]
 
 
 def _drive(drive: PlannedDrive, *, classic: bool) -> str:
