@@ -66,10 +66,11 @@ def test_a_document_of_an_ob_counts(tmp_path: Path) -> None:
 
     assert missing() == ["the program has no OB82, OB83, OB86, OB121, OB122"]
     (out / "Ausfall.xml").write_text(
-        '<Document><Engineering version="V16" /><SW.Blocks.OB ID="0"><AttributeList><Interface><Sections '
-        'xmlns="http://www.siemens.com/automation/Openness/SW/Interface/v3"><Section Name="Temp" /></Sections></Interface>'
-        "<Name>Stationsausfall</Name><Number>86</Number><ProgrammingLanguage>LAD</ProgrammingLanguage></AttributeList>"
-        "</SW.Blocks.OB></Document>",
+        '<Document><Engineering version="V16" /><SW.Blocks.OB ID="0"><AttributeList><Interface>'
+        '<Sections xmlns="http://www.siemens.com/automation/Openness/SW/Interface/v3"><Section Name="Temp" />'
+        "</Sections></Interface><Name>Stationsausfall</Name><Number>86</Number>"
+        "<ProgrammingLanguage>LAD</ProgrammingLanguage>"
+        "</AttributeList></SW.Blocks.OB></Document>",
         "utf-8",
     )
     assert missing() == ["the program has no OB82, OB83, OB121, OB122, unless Stationsausfall is one of them"]

@@ -7,11 +7,14 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from plcgen._version import __version__
 from plcgen.base.diagnostics import Diagnostic
 from plcgen.project.nouns import BlockRef, PlannedJob
 from plcgen.proof.folder import plain, rendered
 from plcgen.s7.types.blocks import Block
 
+GENERATOR = ".".join(__version__.split(".")[:2])
+"""VERSION in the header of every block that is made from the spec alone: that of plcgen."""
 _MARKS = ("(*", "*)", "//", "/*", "*/", "'", "{", "}", ";", '"')
 """What a title must not contain: it would begin or end something else."""
 _FACT = re.compile(
