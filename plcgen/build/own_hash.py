@@ -10,22 +10,23 @@ import hashlib
 import re
 from dataclasses import replace
 
+from plcgen._version import __version__
 from plcgen.s7.types.blocks import Block
 
 _EMPTY = "H0000000"
-"""What a template has in place of the hash."""
+"""What a template has in place of the hash; its VERSION is 0.0."""
+_NAME, _VERSION = (re.compile(rf"^{key} : .*$", re.MULTILINE) for key in ("NAME", "VERSION"))
 _UNHASHED = re.compile(r"^(?:NAME|VERSION) : .*\n", re.MULTILINE)
 
 
 def with_own_hash(text: str, block: Block) -> tuple[str, Block]:
-    """A finished source and its block with their hash, if the template has a place for it; line ends are LF.
+    """A finished source and its block with version and hash, if the template has a place for them; line ends are LF.
 
-    It leaves out the lines NAME and VERSION: the same code from a newer plcgen has the same hash.
+    The hash leaves out the lines NAME and VERSION: the same code from a newer plcgen has the same one.
     """
     if block.attributes.get("NAME") != _EMPTY:
         return text, block
-    digits = hashlib.sha256(_UNHASHED.sub("", text).encode()).hexdigest()[:7].upper()
-    name = f"H{digits}"
-    return text.replace(f"NAME : {_EMPTY}\n", f"NAME : {name}\n", 1), replace(
-        block, attributes=block.attributes | {"NAME": name}
-    )
+    name = f"H{hashlib.sha256(_UNHASHED.sub('', text).encode()).hexdigest()[:7].upper()}"
+    version = block.attributes["VERSION"].replace("0.0", ".".join(__version__.split(".")[:2]))
+    text = _NAME.sub(f"NAME : {name}", _VERSION.sub(f"VERSION : {version}", text, count=1), count=1)
+    return text, replace(block, attributes=block.attributes | {"NAME": name, "VERSION": version})

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from plcgen._version import __version__
 from plcgen.build.document import Document
 from plcgen.build.nouns import Call, DataBlock, FunctionBlock, LibraryInstance, TypeBlock
 from plcgen.build.reread import Promise
@@ -28,7 +27,6 @@ class SourceWriter:
         self.main_path = "example/Main.scl" if self.one else "scl/Main.scl"
         self._newline = "\r\n" if where.v5 else "\n"
         self._common = {"s7_1500": where.t15, "system": system, "calls": "step7-v5" if where.v5 else system}
-        self._common["generator"] = ".".join(__version__.split(".")[:2])
 
     def path(self, folder: str, name: str) -> str:
         """Path of the source of a block in one of the folders udt, db and scl: STEP 7 V5 knows only the ending .scl."""

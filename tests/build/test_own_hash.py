@@ -81,7 +81,7 @@ def test_verify_notices_a_text_that_is_not_that_of_its_hash(tmp_path: Path) -> N
 def test_another_plcgen_alone_is_no_change(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its version is another one in every block, and diff has nothing to say; the hashes are the same."""
     assert api.generate(FAQ, tmp_path / "old").ok
-    monkeypatch.setattr("plcgen.build.sources.__version__", "0.9.1")
+    monkeypatch.setattr("plcgen.build.own_hash.__version__", "0.9.1")
     assert api.generate(FAQ, tmp_path / "new").ok
     old, new = headers(tmp_path / "old"), headers(tmp_path / "new")
     assert {version for _, version, _ in new.values()} == {"0.9"}
@@ -97,13 +97,15 @@ def test_a_changed_block_is_reported_once(tmp_path: Path) -> None:
         spec.write_text(
             "plc: {name: Pump, family: s7-1500, toolchain: tia-v19}\n"
             "drives: {pump: {device: sinamics-g120, hardware_id: 270}}\n"
-            f"jobs: {{ramp: {{drive: pump, write: {{{written}}}}}, speed: {{drive: pump, read: [r21]}}}}\n",
+            f"jobs: {{ramp: {{drive: pump, write: {{{written}}}, comment: 'VERSION : 0.0 NAME : H0000000'}},"
+            " speed: {drive: pump, read: [r21]}}\n",
             "utf-8",
         )
         assert api.generate(spec, tmp_path / name).ok
         blocks.append(headers(tmp_path / name))
     changed = {block for block, header in blocks[0].items() if header[0] != blocks[1][block][0]}
     assert "Ramp" in changed
+    assert "VERSION : 0.0 NAME : H0000000" in blocks[0]["Ramp"][2]
     assert "Speed" not in changed
     found = api.diff([tmp_path / "old"], [tmp_path / "new"]).changes
     assert found

@@ -51,7 +51,7 @@ def test_the_guide_lists_what_the_cpu_needs(
     text = (generated(tmp_path, family, toolchain, cpu) / "IMPORT.md").read_text("utf-8")
     assert re.findall(r"^\| OB(\d+) \|", text, re.MULTILINE) == obs
     plain = " ".join(text.split())
-    assert ("Without OB121 it goes to STOP" in plain) == (family == "s7-1500")
+    assert ("Without OB121 this CPU goes to STOP" in plain) == (family == "s7-1500")
     assert ("has no OB121 and no OB122" in plain) == (family == "s7-1200")
     assert ("OB85 as well" in plain) == bool(obs)
 
