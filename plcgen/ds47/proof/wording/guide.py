@@ -86,7 +86,9 @@ def _drive(drive: PlannedDrive, *, classic: bool) -> str:
 def behind(plan: DrivePlan, stated: Stated) -> list[GuideLine]:
     """What the blocks write: a row for every parameter of every telegram that is a change, for each drive."""
     rows = [(job, use) for job in plan.jobs for use in job.own if use.writes]
-    services = [line for job in plan.jobs if job.permitted is not None for line in _permitted(plan, stated, job)]
+    services = [
+        line for job in plan.jobs if job.permitted for line in _permitted(plan, stated, job, job.permitted.db.name)
+    ]
     if not rows and not services:
         return []
     found = [*map(GuideLine, _said("writes")), *(_written(plan, stated, job, use) for job, use in rows), *services]
@@ -97,13 +99,11 @@ def behind(plan: DrivePlan, stated: Stated) -> list[GuideLine]:
     return [*found, *map(GuideLine, _said("lost"))]
 
 
-def _permitted(plan: DrivePlan, stated: Stated, job: DriveJob) -> Iterator[GuideLine]:
+def _permitted(plan: DrivePlan, stated: Stated, job: DriveJob, table: str) -> Iterator[GuideLine]:
     """What a service may write, and what the spec names of it, with why that asks and who answers for it."""
     numbers, named = service_numbers(plan, stated, job)
     front, notes = f"| {job.block.name} | {job.drive.key}", sentences()["guide"]["service"]
-    yield GuideLine(
-        plain(f"{front} | {len(numbers)} numbers | those of {job.block.name}_Numbers | an input | {notes} |")
-    )
+    yield GuideLine(plain(f"{front} | {len(numbers)} numbers | those of {table} | an input | {notes} |"))
     for number, reason in sorted(named.items()):
         danger = next(stated.danger(plan, job, number), f"signed off: {reason}")
         yield GuideLine(plain(f"{front} | P{number} | named by the spec | an input | {danger} |"))
