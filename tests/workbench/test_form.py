@@ -116,6 +116,9 @@ def test_a_drive_of_a_unit(desk: Desk) -> None:
         "units:\n  cabinet:\n    device: profidrive\n    drives:\n      one: {drive_object: 1, hardware_id: 270}\n"
     )
     assert not offers(desk, text, "one")["read"].lacks
+    document, _, _ = desk.open(text)
+    shown = outline(desk.workspace.specs.state(document))["drives"]
+    assert [(one["key"], one["device"], one["place"]) for one in shown] == [("one", "profidrive", [5, 6])]
     given = {"key": "it", "drive": "one", "kind": "write", "parameter": "P1120", "type": "FloatingPoint"}
     found = made(desk, text, "job", **given)
     assert "one: {drive_object: 1, hardware_id: 270, parameters: {P1120: {type: FloatingPoint}}}" in found

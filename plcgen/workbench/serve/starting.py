@@ -12,6 +12,7 @@ from typing import Any, get_args
 from plcgen.base.diagnostics import DiagnosticError, Report, Span
 from plcgen.ds47.devices import Catalogue, device_names, find_device
 from plcgen.ds47.wire.formats import format_names
+from plcgen.ppi.wire.address import PpiAddressError, parse_item
 from plcgen.project.schema import Toolchain
 from plcgen.project.target import combination_problem
 from plcgen.s7.types.families import FAMILIES
@@ -24,7 +25,6 @@ LANGUAGES = ("en-US", "de-DE", "zh-CN")
 Given = Mapping[str, str]
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,23}\Z")
 _COMMAND = re.compile(r"(?:; others)?: plcgen [\w -]+$", re.MULTILINE)
-_ITEM = re.compile(r"[A-Za-z]{1,3}[0-9]{1,5}(?:\.[0-7])?\Z")
 _TITLE = re.compile(r"\w[\w .()-]{0,59}\Z")
 
 
@@ -66,8 +66,10 @@ def _starter_text(name: str, given: Given, folder: Path) -> str:
             r"\b(port|address): (?:270|256)\b", rf"\g<1>: {_number(given, 'port', '270', name)}", text, count=1
         )
         read = given.get("read", "").strip()
-        if read and not _ITEM.match(read):
-            raise wrong(name, f'"{read}" is no address of an S7-200', "such as VW100, VD100, M0.0")
+        try:
+            parse_item(read or "VW100")
+        except PpiAddressError:
+            raise wrong(name, f'"{read}" is no address of an S7-200', "such as VW100, VD100, M0.0") from None
         text = text.replace("[VW100, M0.0]", f"[{read}]") if read else text
         return text.replace("My station", title)
     report = Report()
