@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 import posixpath
 import re
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -28,17 +30,10 @@ _LINK = re.compile(r"(\]\()([^)#\s]+)(#[^)\s]*)?(\))")
 _FENCE = re.compile(r"^(```.*?^```)", re.MULTILINE | re.DOTALL)
 
 
-BOOSTS = {
-    "codes/": 0.2,
-    "adr/": 0.2,
-    "CHANGELOG": 0.2,
-    "evidence": 0.5,
-    "s7-layout": 0.3,
-    "s7-memory": 0.3,
-    "s7.": 0.3,
-    "tasks/": 2,
-}
-"""What a page counts in the search, by the front of its address: tasks come first, what explains a code last."""
+FIELDS = {"title": {"boost": 20}, "text": {"boost": 1}, "about": {"boost": 40}}
+"""Where the search looks, and what a word counts there; ``about`` are the words by which people look for a page."""
+_LATER = re.compile(r"codes/|adr/|CHANGELOG|s7[.-](?!200)")
+"""Pages for somebody who comes from a message or from the source: no answer to a question."""
 
 
 def origin(uri: str) -> str:
@@ -87,7 +82,33 @@ def on_files(files: Any, config: Any) -> Any:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Links of the site, and what the page counts in the search."""
-    boost = next((value for front, value in BOOSTS.items() if page.file.src_uri.startswith(front)), 1)
-    page.meta["search"] = {"boost": boost}
+    """Links of the site, and what the page counts in the search: tasks come first, what explains a code last."""
+    uri = page.file.src_uri
+    page.meta["search"] = {"boost": 0.2 if _LATER.match(uri) else 1.3 if uri.startswith("tasks/") else 1}
     return relinked(markdown, page.file.src_uri)
+
+
+def on_post_build(config: Any) -> None:
+    """Give the search the words of ``docs/words.toml`` and the spellings of ``plcgen docs``."""
+    sys.path.insert(0, str(ROOT))  # the package of this checkout, not one installed beside MkDocs
+    from plcgen.base import page_search
+
+    site = Path(config["site_dir"])
+    index = site / "search" / "search_index.json"
+    content = json.loads(index.read_text("utf-8"))
+    content["config"]["fields"] = FIELDS
+    for entry in content["docs"]:
+        page = ROOT / origin(entry["location"].removesuffix(".html") + ".md")
+        if page.is_file():
+            name = page.relative_to(ROOT / "docs").with_suffix("").as_posix() if "docs" in page.parts else page.stem
+            about = page_search.subjects(name, page.read_text("utf-8"))
+            entry["about"] = " ".join(stem for stem, value in about.items() for _ in range(1 if value < 10 else 3))
+    index.write_text(json.dumps(content, ensure_ascii=False, separators=(",", ":")), "utf-8")
+    script = site / "search.js"
+    lists = {
+        "words": json.dumps(sorted(page_search.common_words()), ensure_ascii=False),
+        "endings": f"/{page_search.ENDINGS}/",
+        "spelled": ", ".join(f'[/{front}/g, "{instead}"]' for front, instead in page_search.SPELLED),
+    }
+    text = re.sub(r"/\* (\w+) \*/", lambda found: lists[found[1]], script.read_text("utf-8"))
+    script.write_text(text, "utf-8")

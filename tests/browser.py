@@ -22,8 +22,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from tests.chromium import chromium
+import pytest
 
+NAMES = ("chromium", "chromium-browser", "google-chrome")
 PATIENCE = 90.0
 """Seconds until something must have happened; machines are loaded."""
 _KEYS = {
@@ -48,6 +49,15 @@ os.execv(sys.argv[3], sys.argv[3:])
 """
 """The browser reads from 3 and writes to 4."""
 _MODIFIERS = {"Alt": 1, "Control": 2, "Meta": 4, "Shift": 8}
+
+
+@cache
+def chromium() -> str:
+    """The program, or skip the test with the reason."""
+    found = next(filter(None, map(shutil.which, NAMES)), None)
+    if found is None:
+        pytest.skip(f"no headless browser to look at pages with: {', '.join(NAMES)} are not installed")
+    return found
 
 
 class Browser:
@@ -232,6 +242,11 @@ class Page:
     def picture(self, target: Path) -> None:
         """A screenshot as PNG."""
         target.write_bytes(base64.b64decode(self._call("Page.captureScreenshot", format="png")["data"]))
+
+    def print(self, target: Path) -> None:
+        """The page as PDF, on the paper that its style names."""
+        printed = self._call("Page.printToPDF", preferCSSPageSize=True, printBackground=True)
+        target.write_bytes(base64.b64decode(printed["data"]))
 
 
 @contextmanager

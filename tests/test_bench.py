@@ -41,10 +41,10 @@ def test_the_front_end_beside_its_peers(capsys: pytest.CaptureFixture[str]) -> N
 
 @pytest.mark.slow
 def test_an_edit_beside_a_check(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """Four questions of each of the two files, every one with a goal."""
+    """Four questions of each of the two files, five of the page, every one with a goal."""
     monkeypatch.setattr(editing, "median", lambda run, _: (run(), 1.0)[1])
     editing.main()
-    assert capsys.readouterr().out.count("ratio 1.00") == 8
+    assert capsys.readouterr().out.count("ratio 1.00") == 13
 
 
 def test_the_largest_plants_fit_an_engine() -> None:

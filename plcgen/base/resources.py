@@ -22,7 +22,12 @@ def specs_dir() -> Path:
     return _locate("_specs", "specs")
 
 
+def docs_dir() -> Path:
+    """Directory of the documentation."""
+    return _locate("_docs", "docs")
+
+
 def documented() -> dict[str, Path]:
     """Every page of the documentation by its name, ``spec`` or ``codes/PG209``."""
-    folder = _locate("_docs", "docs")
+    folder = docs_dir()
     return {path.relative_to(folder).with_suffix("").as_posix(): path for path in sorted(folder.rglob("*.md"))}

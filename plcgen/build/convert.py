@@ -60,6 +60,7 @@ class _Read:
     block: Block
     place: Span
     form: int
+    document: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +150,6 @@ def _read(files: Sequence[SourceFile], found: Converted, *, classic: bool, encod
             blocks, problems = read_simaticml(file.path, classic=classic or None, constants=constants, inline=False)
             if not blocks and file.listed and all(problem.code == "PG812" for problem in problems):
                 continue  # another kind of document that lies in the folder
-            blocks = [_laid_out(block, found) for block in blocks]
         else:
             whole = {name: value for name, value in constants.items() if value is not None}
             kept: list[ParseResult] = []
@@ -157,8 +157,9 @@ def _read(files: Sequence[SourceFile], found: Converted, *, classic: bool, encod
             codes |= {place: code for result in kept for place, code in _codes(result)}
             problems = [problem for problem in problems if not _about_encoding(problem)]
         found.diagnostics += [_without_value(problem) for problem in problems if problem.code != "PG814"]
-        read += [_Read(block, block.span or Span(str(file.path)), file.form) for block in blocks]
-    return _Sources(read, frozenset(constants), codes)
+        places = [block.span or Span(str(file.path)) for block in blocks]
+        read += [_Read(block, place, file.form, file.is_xml) for block, place in zip(blocks, places, strict=True)]
+    return _Sources(_laid_out(read, found), frozenset(constants), codes)
 
 
 def _codes(result: ParseResult) -> Iterator[tuple[Span, tuple[Tokens, int]]]:
@@ -176,14 +177,27 @@ def _without_value(problem: Diagnostic) -> Diagnostic:
     return replace(problem, severity=Severity.ERROR) if unknown else problem
 
 
-def _laid_out(block: Block, found: Converted) -> Block:
-    """The block with the access that is meant where its document says none: those of S7-300/400 never do."""
-    if block.optimized is not None or block.kind is BlockKind.UDT or block.instance_of or block.safety:
-        return block
-    message = f'{block.kind} "{block.name}" has no MemoryLayout: its access is taken as optimized, as on S7-1200/1500'
+def _laid_out(read: Sequence[_Read], found: Converted) -> list[_Read]:
+    """The blocks with the access that is meant where documents say none: those of S7-300/400 never do, others always.
+
+    So documents that all say none are of S7-300/400; a single one among others was not written by a TIA Portal.
+    """
+    able = [one for one in read if one.document and one.block.kind is not BlockKind.UDT and not one.block.safety]
+    silent = [one for one in able if one.block.optimized is None and not one.block.instance_of]
+    if not silent:
+        return list(read)
+    place = silent[0].place
+    if all(one in silent or one.block.instance_of for one in able):
+        message = "no MemoryLayout in these documents: they are taken as blocks of an S7-300/400, with standard access"
+        help_ = "--classic says so; an export of S7-1200/1500 has one in every document"
+        found.diagnostics.append(Diagnostic("PG815", message, place, Severity.NOTE, help=help_))
+        return [replace(one, block=replace(one.block, optimized=False)) if one in able else one for one in read]
+    names = ", ".join(f'{one.block.kind} "{one.block.name}"' for one in silent[:3])
+    names += f" and {len(silent) - 3} more" if len(silent) > 3 else ""
+    message = f"no MemoryLayout for {names}: taken as optimized access, as on S7-1200/1500"
     help_ = "for blocks of an S7-300/400: --classic"
-    found.diagnostics.append(Diagnostic("PG815", message, block.span or Span(""), Severity.WARNING, help=help_))
-    return replace(block, optimized=True)
+    found.diagnostics.append(Diagnostic("PG815", message, place, Severity.WARNING, help=help_))
+    return [replace(one, block=replace(one.block, optimized=True)) if one in silent else one for one in read]
 
 
 def _about_encoding(problem: Diagnostic) -> bool:

@@ -24,6 +24,7 @@ from plcgen.base.display import markdown
 from plcgen.base.resources import templates_dir
 from plcgen.build.document import Document
 from plcgen.build.holes import FILTERS, StrayTextError, guard, stand_ins
+from plcgen.build.own_hash import with_own_hash
 from plcgen.build.reread import Reading, not_meant
 from plcgen.s7.scl.classic import Spelling, respell
 
@@ -234,6 +235,7 @@ def render_all(
         if promise is not None:
             read = reading.alike if document.twins is None else reading.alone
             block = read(text, document.path, promise, partial(_harmless, document))
+            text, block = with_own_hash(text, block)
         elif document.template.endswith(_SOURCES):
             raise DiagnosticError([not_meant(document.path, "nothing is promised of it")])
         yield _finished(document, text)

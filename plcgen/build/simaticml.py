@@ -101,9 +101,8 @@ class SimaticMl:
         yield self._finished(made.block.name, code_document(block, self._setting, others), made.note)
         if db is None:
             return
-        instance = Block(
-            BlockKind.DB, db.name, (), number=db.number, instance_of=block.name, attributes=block.attributes
-        )
+        header = {key: text for key, text in block.attributes.items() if key != "NAME"} | {"VERSION": "0.1"}
+        instance = Block(BlockKind.DB, db.name, (), number=db.number, instance_of=block.name, attributes=header)
         yield self._finished(db.name, instance_document(instance, block, self._setting), self.note)
 
     def _main(self, calls: Sequence[Call], block: Block) -> Iterator[Document]:

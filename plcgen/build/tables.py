@@ -59,7 +59,9 @@ def table_documents(project: Project, seen: Overview, sources: SourceWriter) -> 
         "closing": [part for _, behind in guides for part in behind],
     }
     yield guide(project, "IMPORT.md", "text/import.md.j2", view)
-    yield guide(project, "LAYOUT.md", "text/layout.md.j2", {"project": project.name, "sheets": seen.sheets})
+    controls = [block.name for contribution in seen.contributions for block in contribution.controls]
+    view = {"project": project.name, "controls": controls, "sheets": seen.sheets}
+    yield guide(project, "LAYOUT.md", "text/layout.md.j2", view)
     yield Document(ATTRIBUTES, text=_ATTRIBUTES)
 
 

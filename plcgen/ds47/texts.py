@@ -43,29 +43,38 @@ def dissect_telegram(
 ) -> DecodedTelegram:
     """Name every field of a telegram; without ``kind`` its bytes tell request from response."""
     from plcgen.ds47.wire import codec
-    from plcgen.ds47.wire.dissect import dissect_request, dissect_response, looks_like
+    from plcgen.ds47.wire.dissect import MAKERS, OF_A_MAKER, dissect_request, dissect_response, looks_like
 
     guess = kind or ("response" if request is not None else looks_like(data))
     if guess == "unknown":
         guess = "request"
     problems: list[tuple[int, str]] = []
     labels: dict[int, str] = {}
+    asked = None
     try:
-        asked = codec.decode_request(request) if request is not None else None
-        if asked is not None:
+        if request is not None and request[1:2] not in MAKERS:
+            asked = codec.decode_request(request)
             labels = {n: f"P{address.pnu}" for n, address in enumerate(asked.addresses, 1)}
     except codec.TelegramError as problem:
-        asked = None
         problems = [(0, f"the request given as context is not valid: {problem}")]
-    try:
-        if guess == "request":
-            codec.decode_request(data)
-        else:
-            codec.decode_response(data, request=asked)
-    except codec.TelegramError as problem:
-        known = (item for item in problem.problems if item.message != codec.RESERVED_REFERENCE)
-        problems += [(item.offset, item.message) for item in known]
     fields = dissect_request(data) if guess == "request" else dissect_response(data)
+    if data[1:2] in MAKERS:  # PROFIdrive knows nothing of its form
+        problems += [(one.offset, f"{one.name}: {one.note or one.value}") for one in fields if one.problem]
+        return DecodedTelegram(guess, data, tuple(_field(f, data, labels) for f in fields), tuple(problems))
+    named = {one.offset for one in fields if one.note == OF_A_MAKER and not one.problem}
+
+    def found(*, strict: bool) -> list[codec.Problem]:
+        try:
+            if guess == "request":
+                codec.decode_request(data, strict=strict)
+            else:
+                codec.decode_response(data, request=asked, strict=strict)
+        except codec.TelegramError as problem:
+            return [item for item in problem.problems if item.message != codec.RESERVED_REFERENCE]
+        return []
+
+    cut = found(strict=False)
+    problems += [(one.offset, one.message) for one in found(strict=True) if one in cut or one.offset not in named]
     return DecodedTelegram(guess, data, tuple(_field(f, data, labels) for f in fields), tuple(problems))
 
 

@@ -45,7 +45,7 @@ class ProgramSize:
                 yield what, used, fact
 
     def text(self) -> str:
-        """One line: lines, blocks, bytes, share of the CPU."""
+        """One line: blocks, their lines, bytes, share of the CPU."""
         size = self.estimate
         blocks = ", ".join(quantity(size.count(kind), kind) for kind in ("FB", "FC", "DB") if size.count(kind))
         share = "" if self.cpu is None or self.share is None else f", {self.share} % of a CPU {self.cpu.name}"
@@ -53,7 +53,7 @@ class ProgramSize:
         memory = f"{kilobytes(size.data)} in data blocks"
         if size.total is not None:
             memory = f"about {kilobytes(size.total)} of work memory"
-        return f"{size.lines:,} lines of SCL, {blocks}, {memory}{share}{idle}"
+        return f"{blocks} of {size.lines:,} lines, {memory}{share}{idle}"
 
     def data(self) -> dict[str, Any]:
         """The same for programs."""

@@ -86,4 +86,5 @@ def diagnostic(code: str, key: str, failures: Sequence[Failure], page: str) -> D
     line = f"; the statement is {Path(first.file).name}:{first.line}" if first.file and first.line else ""
     span = Span(first.file, first.line, min(first.line, 1))
     code = "PG627" if first.stopped else code
-    return Diagnostic(code, f"{key}: {first}{more}", span, help=f"compare this place with {page}{line}")
+    help_ = f"compare this place with {page}" if first.file else f"{page} says how the blocks work"
+    return Diagnostic(code, f"{key}: {first}{more}", span, help=f"{help_}{line}")

@@ -13,11 +13,14 @@ from plcgen.base.display.excerpts import count_text, diagnostics_text
 from plcgen.base.display.view import View
 
 if TYPE_CHECKING:
+    from plcgen.base.diagnostics import Diagnostic
     from plcgen.proof.checks import Check, CheckGroup, Verification
     from plcgen.proof.ledger import Assumption
 
 _GAP = 2
 _INDENT = 6
+_NAMED = 3
+"""Checks that were not run, in the last line."""
 _SHORT = 10
 """Lines of the ledger unless all of it is asked for."""
 
@@ -26,6 +29,13 @@ def verification_text(verification: Verification, view: View) -> str:
     """The whole report: checks by group, what is wrong in detail, the summary."""
     what = ", ".join(clean(text) for text in (verification.project, verification.target) if text)
     out = [f"{what or clean(verification.spec)}: {clean(verification.folder)}"]
+    stale = _stale(verification)
+    if stale:
+        follow = len(verification.problems) - len(stale)
+        text = f"{out[0]}\n\n{diagnostics_text(stale, view)}\n"
+        if follow:
+            text += f"{quantity(follow, 'problem')} more may only follow from that: --format json lists all\n"
+        return text + _summary(verification, view) + "\n"
     for group in verification.groups:
         out += ["", *_group(group, view)]
     out += _ledger(verification, view)
@@ -34,6 +44,13 @@ def verification_text(verification: Verification, view: View) -> str:
     if found:
         text += diagnostics_text(found, view) + "\n"
     return text + _summary(verification, view) + "\n"
+
+
+def _stale(verification: Verification) -> list[Diagnostic]:
+    """That the files are not of this spec, and what is wrong outside of checks; empty if no check fails."""
+    if verification.ok or not any(one.code == "PG504" for one in verification.problems):
+        return []
+    return [one for one in verification.problems if one.code == "PG504" or one in verification.outside]
 
 
 def verifications_text(found: Sequence[Verification], view: View) -> str:
@@ -127,7 +144,7 @@ def _row(left: str, check: Check, view: View) -> list[str]:
 
 
 def _summary(verification: Verification, view: View) -> str:
-    """``34 checks: 31 ok, 2 errors, 1 not run``."""
+    """``34 checks: 31 ok, 2 errors, 1 not run (Wireshark)``."""
     from plcgen.proof.checks import Outcome
 
     checks = list(verification.checks())
@@ -139,6 +156,8 @@ def _summary(verification: Verification, view: View) -> str:
             parts.append(view.paint(f"{count} {outcome.value}{plural}", outcome.value))
     total = quantity(len(checks), "check")
     result = f"{total}: {', '.join(parts)}" if parts else total
+    left = [clean(check.subject) for check in checks if check.outcome is Outcome.NOT_RUN]
+    result += f" ({', '.join(left[:_NAMED])}{', ..' if left[_NAMED:] else ''})" if left else ""
     extra = [diagnostic for diagnostic in verification.outside if diagnostic.severity.label != "note"]
     return f"{result}; {count_text(extra)} outside the checks" if extra else result
 

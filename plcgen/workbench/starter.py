@@ -79,8 +79,8 @@ KINDS = {
     "readback": "write: {P: }\nverify: readback | what is written is read back and compared",
     "restore": "write: {P: }\nverify: readback\non_error: restore | the old value comes back if the job fails",
     "save": "save: drive_object | copies RAM to ROM; not in a cycle",
-    "compare": "compare: {P: 10.0} | lists what differs",
-    "sequence": "sequence: [{write: {P: 5.0}}, {read: [P]}] | steps; {until: {P: 5.0, timeout: 5s}} waits",
+    "compare": "compare: {P: } | lists what differs from its inputs",
+    "sequence": "sequence: [{write: {P: }}, {read: [P]}] | steps; {until: {P: 5.0, timeout: 5s}} waits",
     "messages": "faults: current | faults as an array of structures; alarms: current for alarms",
     "service": "service: read | any parameter: number, index, count and drive object are inputs",
     "acknowledge": "acknowledge: true",
@@ -180,7 +180,7 @@ def faq_starter(file: str, device: Device, family: str, toolchain: str) -> str:
 def _place(file: str, device: Device, family: str, toolchain: str) -> dict[str, object]:
     """What every starter spec says of its PLC and its drive."""
     classic = family in {"s7-300", "s7-400"}
-    hint = "logical address, see the hardware configuration" if classic else "hardware identifier"
+    hint = "hardware identifier, or the name of its system constant"
     return {
         "file": file,
         "family": family,
@@ -188,7 +188,7 @@ def _place(file: str, device: Device, family: str, toolchain: str) -> dict[str, 
         "device": device.key,
         "title": device.title,
         "address": "address: 256" if classic else "hardware_id: 270",
-        "address_hint": hint,
+        "address_hint": "logical address, see the hardware configuration" if classic else hint,
         "drive_object": device.drive_object,
         "rule": device.drive_object_rule,
     }
@@ -205,7 +205,10 @@ def _of_kinds(kinds: Sequence[str], device: Device) -> str:
     """Jobs of some kinds, and the recipe of one that has any."""
     lines = []
     for kind in kinds:
-        lines += [f"  {kind}:", "    drive: drive1", *(f"    {line}" for line in KINDS[kind].split("\n"))]
+        text = KINDS[kind]
+        if kind == "save" and device.absent(971, ""):
+            text = text.replace("drive_object", "unit")
+        lines += [f"  {kind}:", "    drive: drive1", *(f"    {line}" for line in text.split("\n"))]
     return _with_numbers("\n".join(lines) + "\n" + (_RECIPES if "recipe" in kinds else ""), device)
 
 

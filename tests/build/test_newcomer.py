@@ -25,7 +25,12 @@ def test_the_guide_answers_what_a_newcomer_asks(name: str, tmp_path: Path) -> No
     assert ("`diagnosis` are beside it" in text) == (name in DRIVES)
     assert ("Address the structure by name" in text) == (not (tmp_path / "en-US" / "symbols.sdf").exists())
     assert ("`hardware_id` in the spec takes the number or the name" in text) == (name == "s7-1500_g120_pn")
-    assert "A data block that is loaded again begins with its start values" in text
+    assert "Importing again replaces blocks of the same name; loaded data blocks begin with start values" in text
+    page = tmp_path / "en-US" / "LAYOUT.md"
+    named = f"Programs and panels address `{control}` by name: a structure for each job. "
+    assert named in " ".join(said["LAYOUT.md"])
+    page.write_text(page.read_text("utf-8").replace(f"`{control}`", "`Jobs`"), "utf-8")
+    assert "address `Jobs` by name" in " ".join(wrong(spec, tmp_path / "en-US"))
     assert "The files of `watch`" in text
     assert ("Openness" in text.partition("The files of `watch`")[2]) == ("xml/IMPORT.md" in said)
 
@@ -49,3 +54,15 @@ def test_modify_all_starts_no_job(name: str, tmp_path: Path) -> None:
         rows += list(csv.reader(table.read_text("utf-8-sig").splitlines(), delimiter=";"))[1:]
     assert rows
     assert [row for row in rows if row[3].upper() == "TRUE"] == []
+
+
+@pytest.mark.parametrize(("language", "said"), [("en-US", ", read back"), ("de-DE", ", zurückgelesen")])
+def test_a_value_that_is_read_back_says_so(language: str, said: str, tmp_path: Path) -> None:
+    """Each written parameter of the example is an input and an output of the block: their comments differ."""
+    spec = project(tmp_path, "s7-1500_g120_readback", language)
+    assert wrong(spec, tmp_path / language) == []
+    (source,) = (tmp_path / language).glob("*.scl")
+    control = source.read_text("utf-8-sig").partition('DATA_BLOCK "DriveJobs"')[2].partition("END_DATA_BLOCK")[0]
+    outputs = [line for line in control.splitlines() if "Back : " in line]
+    assert outputs
+    assert [line for line in outputs if said not in line] == []

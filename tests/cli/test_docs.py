@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
+import tomllib
+
 import pytest
 
 from plcgen.base.page_search import MOST, best_pages
-from plcgen.base.resources import documented
+from plcgen.base.resources import docs_dir, documented
 from plcgen.cli.main import run
+from tests.docs.pages import questions
 
 QUESTIONS = {
     "which identifier": {"tasks/which-identifier", "hardware-id"},
@@ -45,6 +49,25 @@ def test_one_of_the_best_three_pages_answers(question: str) -> None:
     found = [name for name, _ in best_pages(question)]
     assert len(found) <= MOST
     assert QUESTIONS[question] & set(found), found
+
+
+@pytest.mark.parametrize(("asked", "least"), [("before", 30), ("after", 15)])
+def test_the_first_page_answers(asked: str, least: int, capsys: pytest.CaptureFixture[str]) -> None:
+    """Three of four questions in English, German and numbers have the right page first; a code is its own page."""
+    right = []
+    for question, pages in questions()[asked].items():
+        assert run(["docs", *question.split()]) == 0 or not pages, question
+        shown = capsys.readouterr().out
+        found = re.search(r"plcgen docs (\S+)", shown) if shown.startswith("pages that") else None
+        first = found[1] if found else f"codes/{question}"
+        right += [question] if first in pages else []
+    assert len(right) >= least, sorted(questions()[asked].keys() - set(right))
+
+
+def test_words_name_pages_that_exist() -> None:
+    """The words of words.toml are of pages that there are; each page but the tables of messages has some."""
+    named = tomllib.loads((docs_dir() / "words.toml").read_text("utf-8"))["pages"]
+    assert named.keys() == {name for name in documented() if not name.startswith(("codes/", "adr/"))}
 
 
 def test_several_words_are_searched_and_a_page_is_shown(capsys: pytest.CaptureFixture[str]) -> None:

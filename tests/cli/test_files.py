@@ -194,7 +194,7 @@ OTHER_WRITERS = {
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of files as POSIX has them")
-def test_no_room_for_a_file(work: Path, process: Callable) -> None:
+def test_no_room_for_a_file(work: Path, plcgen: Callable) -> None:
     """Whoever writes tells which file does not fit, exit code 1, and leaves nothing of it behind."""
     import resource
 
@@ -204,14 +204,17 @@ def test_no_room_for_a_file(work: Path, process: Callable) -> None:
     assert writers - set(WRITES) - set(OTHER_WRITERS) <= others, "these read --out, or have a test of their own"
     calls = {f"{verb} -o": [*verb.split(), *args, "-o", "FILE"] for verb, (args, _) in WRITES.items()}
     calls |= {verb: [*verb.split(), *args] for verb, args in OTHER_WRITERS.items()}
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
     for number, (verb, args) in enumerate(calls.items()):
         name = f"full{number}{'.yaml' if verb in {'new', 'catalogue import', 'lock'} else ''}"
-        limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20, 20))  # noqa: E731 - for the child alone
-        ended = process(*(name if arg == "FILE" else arg for arg in args), preexec_fn=limit)
-        said = ended.stderr.decode()
-        assert (ended.returncode, "PG902" in said) == (1, False), (verb, said)
-        assert "File too large" in said, (verb, said)
-        assert name in said, (verb, said)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20, before[1]))
+        try:
+            ended = plcgen(*(name if arg == "FILE" else arg for arg in args))
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        assert (ended.code, "PG902" in ended.err) == (1, False), (verb, ended.err)
+        assert "File too large" in ended.err, (verb, ended.err)
+        assert name in ended.err, (verb, ended.err)
         assert not [each for each in (work / name).rglob("*") if each.is_file()]
         assert not (work / name).is_file()
     assert not list(work.glob(".plcgen-draft-*"))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from plcgen.cli.main import run
 from plcgen.workbench.starter import KINDS
 
 DEVICES = ("sinamics-s120", "sinamics-g120", "sinamics-dcm", "micromaster-4")
@@ -77,3 +79,14 @@ def test_the_form_of_the_faq_has_no_other_jobs(plcgen: Callable[..., Any]) -> No
     assert "leave --job and --ppi out" in plcgen("new", "--faq", "--ppi").err
     made = plcgen("new", "--faq", "--device", "sinamics-dcp")
     assert (made.code, "cannot have such a job" in made.err, Path("job.yaml").exists()) == (2, True, False)
+
+
+@pytest.mark.parametrize(("device", "said"), [("sinamics-g220", "unit"), ("sinamics-g120", "drive_object")])
+def test_saving_is_what_the_device_has(
+    device: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A G220 has no p0971 (its list, TIA Portal V19), a G120 has."""
+    path = tmp_path / "job.yaml"
+    assert run(["new", str(path), "--device", device, "--job", "save", "--family", "s7-1500"]) == 0
+    assert re.search(rf"save: {said} ", path.read_text("utf-8"))
+    assert run(["check", str(path)]) == 0, capsys.readouterr().err

@@ -119,6 +119,34 @@ def test_what_a_maker_prints_is_no_error(plcgen):
     assert "reserved in PROFIdrive; some makers print it" in result.out
 
 
+@pytest.mark.parametrize(
+    ("telegram", "named"),
+    [
+        ("01 40 00 01 10 00 20 6C 00 00", "SEW MOVILINK service"),
+        ("01 40 00 01 43 01 31 1C 72 89", "SEW MOVILINK service (+)"),
+        ("01 40 00 01 30 00 20 6C 00 00 43 01 00 00 00 05", "write parameter, volatile"),
+        ("01 C0 00 01 44 01 00 10", "SEW MOVILINK service (-)"),
+        ("01 41 00 01 10 00 20 6C 00 00", "SEW data transport"),
+        ("01 01 01 01 20 01 04 60 00 01", "description"),
+        *((f"01 01 01 01 {attribute} 01 04 60 00 00", "manufacturer-specific") for attribute in ("80", "81", "82")),
+    ],
+)
+def test_forms_of_makers_have_names_and_no_error(plcgen, telegram, named):
+    """SEW DFE32B manual, pp. 73, 77 and 78; attributes from 80h on are the makers' (PROFIdrive)."""
+    result = plcgen("decode", telegram)
+    assert (result.code, result.err) == (0, "")
+    assert named in result.out
+
+
+@pytest.mark.parametrize(
+    "telegram", ["01 42 00 01 10 00 20 6C 00 00", "01 40 00 01 10 00 20 6C 00", "01 01 01 01 70 01 04 60 00 00"]
+)
+def test_what_no_maker_prints_is_wrong(plcgen, telegram):
+    """42h is nobody's, a byte is missing, 70h is a reserved attribute."""
+    result = plcgen("decode", telegram)
+    assert (result.code, "error[PG702]" in result.err) == (1, True)
+
+
 def test_decode_from_stdin(plcgen):
     """One telegram a line, comments and empty lines skipped, a bad line does not hide the others."""
     stdin = f"# trace\n{READ}  // read\n\n04020201\r\n03 zz\n"

@@ -113,7 +113,7 @@ def test_generate_check_diff_and_force(plcgen, good, tmp_path):
     folder = tmp_path / "job_generated"
     assert (made.code, made.out) == (0, "")
     assert made.err.startswith("job_generated: ")
-    assert re.search(r"\n[0-9,]+ lines of SCL, 5 FBs, [0-9]+ DBs, about [0-9.]+ KB of work memory\n\Z", made.err)
+    assert re.search(r"\n5 FBs, [0-9]+ DBs of [0-9,]+ lines, about [0-9.]+ KB of work memory\n\Z", made.err)
     assert (folder / "manifest.json").is_file()
     assert plcgen("generate", good, "--check") == type(made)(0, "", "job_generated is up to date\n")
     assert plcgen("generate", good, "-q") == type(made)(0, "", "")

@@ -11,7 +11,8 @@ from pathlib import Path
 from plcgen import api
 from plcgen.base.display.view import PLAIN
 from plcgen.report.registry import output_format
-from tests.chromium import NAMES, picture
+from tests.browser import NAMES
+from tests.chromium import picture
 from tests.projects import ROOT
 
 PICTURES = {
@@ -39,7 +40,7 @@ def main() -> int:
                 assert api.generate(source, folder).ok
                 text = format_.render("review", api.review(source, folder), PLAIN)
                 page.write_text(text.replace(f"{room.as_posix()}/", ""), "utf-8")
-            picture(page, room, ROOT / "docs" / "pictures" / target, width, height)
+            picture(page, ROOT / "docs" / "pictures" / target, width, height)
         workbench(room, ROOT / "docs" / "pictures" / "workbench.png")
     return 0
 

@@ -10,6 +10,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -54,3 +55,8 @@ def blocks(page: Path) -> Iterator[Block]:
     for found in _BLOCK.finditer(text):
         line = text.count("\n", 0, found.start(2)) + 1
         yield Block(page, line, found[2], found[3], dict(_NOTE.findall(found[1])))
+
+
+def questions() -> dict[str, dict[str, list[str]]]:
+    """What somebody asks, and the pages of which one is to come first; by when the questions were written."""
+    return tomllib.loads((ROOT / "tests" / "docs" / "questions.toml").read_text("utf-8"))

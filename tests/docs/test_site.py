@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import os
 import re
 import shutil
@@ -14,6 +15,7 @@ import pytest
 import yaml
 
 from tests.chromium import evaluate
+from tests.docs.pages import questions
 from tests.projects import ROOT
 
 
@@ -54,7 +56,8 @@ def test_every_page_has_one_place() -> None:
 def test_nothing_is_fetched() -> None:
     """No fonts, no plugin with a script from elsewhere; links are to files, so that pages open from a folder."""
     assert CONFIG["theme"]["font"] is False
-    assert CONFIG["plugins"] == ["search"]
+    assert [name for plugin in CONFIG["plugins"] for name in plugin] == ["search"]
+    assert CONFIG["extra_javascript"] == ["search.js"]
     assert CONFIG["use_directory_urls"] is False
 
 
@@ -113,4 +116,19 @@ def test_code_is_not_cut(page: str, site: Path) -> None:
     """Every block of code is as wide as its widest line at a width of 1400 px; these pages have the longest lines."""
     cut = """Array.from(document.querySelectorAll("pre > code")).filter((one) => one.scrollWidth > one.clientWidth)
       .map((one) => one.textContent.slice(0, 60))"""
-    assert evaluate(site / f"{page}.html", site, cut, policy=False) == []
+    assert evaluate(site / f"{page}.html", cut, policy=False) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("asked", "least"), [("before", 30), ("after", 15)])
+def test_the_first_page_answers(asked: str, least: int, site: Path) -> None:
+    """Three of four questions in English, German and numbers have the right page first, by the script of the theme."""
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("node is not installed")
+    wanted = questions()[asked]
+    command = [node, str(ROOT / "tests" / "docs" / "ask_site.cjs"), str(site)]
+    done = subprocess.run(command, input=json.dumps(list(wanted)), capture_output=True, text=True, check=True)
+    first = [place.split("#")[0].removesuffix(".html") for place in json.loads(done.stdout)]
+    wrong = [question for question, page in zip(wanted, first, strict=True) if page not in wanted[question]]
+    assert len(wrong) <= len(wanted) - least, wrong

@@ -31,7 +31,7 @@ EQUIVALENT = {
         "only a copy that fails could leave it: every data block has the byte that is copied"
     ),
     r"^DriveChannel: dropped: tempPointer\.address := DW#16#84\w+ \(3\)$": "RDREC has it from the same call",
-    r"^DriveChannel: dropped: statAsks := FALSE": (
+    r"^DriveChannel: (dropped|FALSE -> TRUE): statAsks := FALSE": (
         "who asks again in the next turn has no place any more: the gate was called meanwhile, as it is in the same OB"
     ),
     r"^DriveChannel: exchanged: FOR tempByte := 0 TO tempMore - 1 DO": "the bytes in front of a value, and the value",

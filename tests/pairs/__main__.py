@@ -11,7 +11,7 @@ from pathlib import Path
 
 from tests.pairs import drives, ppi
 from tests.pairs.cover import cover
-from tests.pairs.refusals import DRIVES, refused
+from tests.pairs.refusals import DRIVES, possible
 from tests.pairs.trial import WrongError, tried
 
 
@@ -23,9 +23,9 @@ def main() -> int:
     given = parser.parse_args()
     os.environ["PLCGEN_CACHE"] = "off"
     number, of = map(int, given.part.split("/"))
-    rows = cover(drives.DIMENSIONS, lambda row: not refused(row, DRIVES), drives.TRIPLES)
+    rows = cover(drives.DIMENSIONS, possible(DRIVES), drives.TRIPLES)
     specs = [(row, drives.spec(row)) for row in rows]
-    specs += [(row, ppi.spec(row)) for row in cover(ppi.DIMENSIONS, lambda row: not refused(row, ppi.REFUSALS))]
+    specs += [(row, ppi.spec(row)) for row in cover(ppi.DIMENSIONS, possible(ppi.REFUSALS))]
     wrong, begun = 0, time.process_time()
     with tempfile.TemporaryDirectory() as folder:
         for row, spec in specs[number - 1 :: of]:

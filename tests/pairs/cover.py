@@ -57,7 +57,7 @@ def _row(
 
 
 def _gain(row: Row, sets: Sequence[tuple[str, ...]], missing: Mapping[object, None]) -> int:
-    return sum((one, tuple(row.get(name) for name in one)) in missing for one in sets)
+    return sum([(one, tuple(map(row.get, one))) in missing for one in sets])
 
 
 def sample(rows: Sequence[Row]) -> list[Row]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import product
 
-from tests.pairs.cover import Row
+from tests.pairs.cover import Possible, Row
 
 Side = tuple[str, tuple[str, ...]]
 """A dimension and some of its values."""
@@ -70,9 +70,25 @@ DRIVES: tuple[Refusal, ...] = (
 """All sides together are refused with the code, whatever else the row says."""
 
 
-def refused(row: Mapping[str, str], refusals: Sequence[Refusal]) -> set[str]:
-    """Codes of what in a row does not go together; dimensions that are missing do not count."""
-    return {code for sides, code in refusals if all(row.get(name) in values for name, values in sides)}
+def possible(refusals: Sequence[Refusal]) -> Possible:
+    """Whether nothing in a row is refused, by a bit for each side; dimensions that are missing do not count."""
+    bits: dict[tuple[str, str], int] = {}
+    needs: list[int] = []
+    number = 0
+    for sides, _ in refusals:
+        needs.append(((1 << len(sides)) - 1) << number)
+        for name, values in sides:
+            for value in values:
+                bits[name, value] = bits.get((name, value), 0) | 1 << number
+            number += 1
+
+    def looked_up(row: Mapping[str, str]) -> bool:
+        has = 0
+        for item in row.items():
+            has |= bits.get(item, 0)
+        return not [need for need in needs if has & need == need]
+
+    return looked_up
 
 
 def impossible(base: Row, refusals: Sequence[Refusal]) -> list[tuple[Row, str]]:

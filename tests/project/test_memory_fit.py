@@ -24,9 +24,9 @@ def size(code: int, data: int, name: str = "", *, classic: bool = True) -> Progr
 
 def test_one_line_for_people() -> None:
     """30 KB + 2 KB are 12 % of 256 KB (12.5 rounded down)."""
-    assert size(30 * KB, 2 * KB).text() == "1,234 lines of SCL, 1 FB, 1 DB, about 32 KB of work memory"
+    assert size(30 * KB, 2 * KB).text() == "1 FB, 1 DB of 1,234 lines, about 32 KB of work memory"
     assert size(30 * KB, 2 * KB, "315-2DP").text().endswith("of work memory, 12 % of a CPU 315-2DP")
-    assert size(0, KB, "1214C", classic=False).text() == "1,234 lines of SCL, 1 FB, 1 DB, 1.0 KB in data blocks"
+    assert size(0, KB, "1214C", classic=False).text() == "1 FB, 1 DB of 1,234 lines, 1.0 KB in data blocks"
 
 
 def test_two_memories_count_separately() -> None:

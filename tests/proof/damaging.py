@@ -50,23 +50,49 @@ def signed(folder: Path, files: Sequence[str]) -> None:
     (folder / "manifest.json").write_text(json.dumps(manifest), "utf-8")
 
 
+OWN_HASH = re.compile(r"^FUNCTION_BLOCK .*?^NAME : (H[0-9A-F]{7})$.*?^END_FUNCTION_BLOCK\n", re.DOTALL | re.MULTILINE)
+
+
+def hash_of(block: str) -> str:
+    """What a function block carries as NAME: of its lines but NAME and VERSION."""
+    lines = [line for line in block.split("\n") if not re.match(r"(NAME|VERSION) :", line)]
+    return "H" + hashlib.sha256("\n".join(lines).encode()).hexdigest()[:7].upper()
+
+
+def hidden(folder: Path, texts: dict[str, str]) -> dict[str, str]:
+    """Texts of files by name, with hashes of blocks made anew in them and in the documents beside them."""
+    anew = {}
+    for text in texts.values():
+        anew |= {found[1]: hash_of(found[0]) for found in OWN_HASH.finditer(text)}
+    changed = [(old, new) for old, new in anew.items() if old != new]
+    if changed:
+        texts = {**{f"xml/{p.name}": p.read_text("utf-8") for p in folder.glob("xml/*.xml")}, **texts}
+    for old, new in changed:
+        for before, after in ((f"NAME : {old}\n", f"NAME : {new}\n"), (f"<HeaderName>{old}<", f"<HeaderName>{new}<")):
+            texts = {name: text.replace(before, after) for name, text in texts.items()}
+    return texts
+
+
 @contextmanager
 def damaged(folder: Path, edits: Sequence[Edit], encoding: str) -> Iterator[None]:
     """The folder with the first occurrence of each text changed, and hashes that hide it; afterwards as it was."""
     places = [(*place(folder, name), old, new) for name, old, new in edits]
-    before = {name: (folder / name).read_bytes() for name in {"manifest.json", *(name for name, *_ in places)}}
+    texts: dict[str, str] = {}
+    for name, block, old, new in places:
+        own = encoding if name.endswith((".scl", ".sdf", ".inp")) else "utf-8"
+        before = texts.get(name) or (folder / name).read_bytes().decode(own).replace("\r\n", "\n")
+        texts[name] = edited(before, block, old, new)
+    if not any("NAME : H" in old for _, _, old, _ in places):
+        texts = hidden(folder, texts)
+    kept = {name: (folder / name).read_bytes() for name in {"manifest.json", *texts}}
     try:
-        for name, block, old, new in places:
+        for name, text in texts.items():
             own = encoding if name.endswith((".scl", ".sdf", ".inp")) else "utf-8"
-            text = (folder / name).read_bytes().decode(own)
-            crlf = "\r\n" in text
-            text = text.replace("\r\n", "\n")
-            text = edited(text, block, old, new)
-            (folder / name).write_bytes((text.replace("\n", "\r\n") if crlf else text).encode(own))
-        signed(folder, [name for name, *_ in places if name != "manifest.json"])
+            (folder / name).write_bytes((text.replace("\n", "\r\n") if b"\r\n" in kept[name] else text).encode(own))
+        signed(folder, [name for name in texts if name != "manifest.json"])
         yield
     finally:
-        for name, data in before.items():
+        for name, data in kept.items():
             (folder / name).write_bytes(data)
 
 

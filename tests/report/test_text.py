@@ -10,6 +10,7 @@ from plcgen.base.display import cells
 from plcgen.base.display.cells import clean, cut, expand, width, window, wrap
 from plcgen.base.display.excerpts import diagnostic_text, diagnostics_text, summary_text
 from plcgen.base.display.view import PLAIN, View
+from plcgen.proof.checks import Check, CheckGroup, Outcome
 from plcgen.report.verification import verification_text
 
 _spec = importlib.util.spec_from_file_location("results", Path(__file__).with_name("results.py"))
@@ -144,7 +145,7 @@ def test_verification_in_columns():
         "  = note: first use\n"
         " --> specs/x.yaml:1:1\n"
         "\n"
-        "3 checks: 1 ok, 1 error, 1 not run\n"
+        "3 checks: 1 ok, 1 error, 1 not run (run)\n"
     )
 
 
@@ -214,3 +215,26 @@ def test_cells():
     assert clean("a\r\nb\tc\x00") == "a  b c\ufffd"
     assert expand("\ta", 1, 2) == ("    a", 4, 5)
     assert window("abcdefghij", 0, 1, 20) == ("abcdefghij", 0, 1)
+
+
+def test_files_of_another_state_of_the_spec_are_told_alone():
+    """What fails because of that is counted only; if nothing fails, all checks are shown, the warning among them."""
+    import dataclasses
+
+    place = Span("out")
+    stale = Diagnostic("PG504", "made from another state", place, Severity.WARNING, help="run plcgen generate")
+    check = Check("files.manifest", "files", "38 files", Outcome.WARNING, stale.message, stale)
+    groups = (CheckGroup("files", "Files", (check,)), *results.VERIFICATION.groups)
+    text = verification_text(dataclasses.replace(results.VERIFICATION, groups=groups), PLAIN)
+    assert text == (
+        "Demo, s7-300 / tia-v16: out\n"
+        "\n"
+        "warning[PG504]: made from another state\n"
+        " --> out\n"
+        "  = help: run plcgen generate\n"
+        "\n"
+        "1 problem more may only follow from that: --format json lists all\n"
+        "4 checks: 1 ok, 1 error, 1 warning, 1 not run (run)\n"
+    )
+    good = dataclasses.replace(results.VERIFICATION, groups=groups[:1], diagnostics=())
+    assert "38 files" in verification_text(good, PLAIN)

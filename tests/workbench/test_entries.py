@@ -72,7 +72,7 @@ def test_a_parameter_that_is_there_is_not_added_again() -> None:
 
 def test_a_job_either_reads_or_writes() -> None:
     """What is written is not put into a job that reads, which would be a mistake in the spec."""
-    with pytest.raises(DiagnosticError, match="has read: a job does one of them"):
+    with pytest.raises(DiagnosticError, match='has "read": a job does one of them'):
         add_parameter(Entries(BLOCK, "press.yaml"), ["jobs", "read_speed"], "P1082", writes=True)
 
 

@@ -32,7 +32,7 @@ jobs:
 # the end
 """
 
-GLUE = "{parameters: [P1120], records: {copper: {P1120: 5.0}, steel: {P1120: 10.0}}}"
+GLUE = "{parameters: [P1120], records: 2}"
 STATIONS, READS = '{well: {address: 3, cpu: "224"}}', "{read_well: {station: well, read: [VW100]}}"
 LINE = f"{{module: cm1241, port: 270, stations: {STATIONS}, jobs: {READS}}}"
 
@@ -116,6 +116,9 @@ def test_a_drive_of_a_unit(desk: Desk) -> None:
         "units:\n  cabinet:\n    device: profidrive\n    drives:\n      one: {drive_object: 1, hardware_id: 270}\n"
     )
     assert not offers(desk, text, "one")["read"].lacks
+    document, _, _ = desk.open(text)
+    shown = outline(desk.workspace.specs.state(document))["drives"]
+    assert [(one["key"], one["device"], one["place"]) for one in shown] == [("one", "profidrive", [5, 6])]
     given = {"key": "it", "drive": "one", "kind": "write", "parameter": "P1120", "type": "FloatingPoint"}
     found = made(desk, text, "job", **given)
     assert "one: {drive_object: 1, hardware_id: 270, parameters: {P1120: {type: FloatingPoint}}}" in found
@@ -146,14 +149,27 @@ def test_a_number_is_asked_for(desk: Desk) -> None:
          f"# the end\n\nppi:\n  bus: {LINE.replace('270', '16#10F').replace(STATIONS, '{well: {address: 2}}')}\n"),
         ("job", {"key": "it", "drive": "axis", "kind": "acknowledge", "trigger": "M50.0"}, "cycle: 1s}\n",
          "cycle: 1s}\n  it: {drive: axis, acknowledge: true, trigger: M50.0}\n"),
+        ("job", {"key": "it", "drive": "axis", "kind": "sequence"}, "cycle: 1s}\n",
+         "cycle: 1s}\n  it: {drive: axis, sequence: [{write: {P1120: }}, {read: [P1120]}]}\n"),
+        ("job", {"key": "it", "drive": "axis", "kind": "compare", "parameter": "P1121"}, "cycle: 1s}\n",
+         "cycle: 1s}\n  it: {drive: axis, compare: {P1121: }}\n"),
+        ("job", {"key": "it", "drive": "axis", "kind": "read", "parameter": "r945[0..7]"}, "cycle: 1s}\n",
+         'cycle: 1s}\n  it: {drive: axis, read: ["r945[0..7]"]}\n'),
+        ("station", {"key": "well", "address": "3", "cpu": "224", "parameter": "VD100"}, "# the end\n",
+         f"# the end\n\nppi:\n  line: {LINE.replace('VW100', 'VD100')}\n"),
         ("job", {"key": "it", "drive": "axis", "kind": "save"}, "cycle: 1s}\n",
          "cycle: 1s}\n  it: {drive: axis, save: drive_object}\n"),
     ],
 )  # fmt: skip
 def test_what_is_put_in(what: str, given: dict[str, str], old: str, new: str, desk: Desk) -> None:
-    """The new text stands in its section; everything else, comments among it, is as it was."""
+    """The new text stands in its section, without errors; everything else, comments among it, is as it was.
+
+    A cycle is put in as it is said, also where the rules then refuse it.
+    """
     assert PLANT.count(old) == 1
-    assert made(desk, PLANT, what, **given) == PLANT.replace(old, new)
+    found = made(desk, PLANT, what, **given)
+    assert found == PLANT.replace(old, new)
+    assert what == "cycle" or errors(found, desk.folder) == []
 
 
 def test_recipes_and_stations_are_specs(desk: Desk) -> None:
@@ -162,13 +178,58 @@ def test_recipes_and_stations_are_specs(desk: Desk) -> None:
     for kind in ("read_recipe", "compare_recipe"):
         text = made(desk, text, "job", key=kind, drive="axis", kind=kind)
     text = made(desk, text, "parameter", job="recipes/material", parameter="P1121")
-    assert "parameters: [P1120, P1121]" in text
+    assert "material: {parameters: [P1120, P1121], records: 2}" in text
     assert text.count("recipes:") == 1
     text = made(desk, text, "station", key="well")
     text = made(desk, text, "station", key="tank", line="line", address="3")
     for kind, one in offers(desk, text, "line/tank").items():
         assert not one.lacks
         text = made(desk, text, "job", key=f"tank_{kind}", station="line/tank", kind=kind)
+    text = made(desk, text, "job", key="volume", station="line/tank", kind="read", parameter="VD100")
+    text = made(desk, text, "parameter", job="ppi/line/jobs/volume", parameter="M0.0", access="read")
+    assert "volume: {station: tank, read: [VD100, M0.0]}" in text
+    assert errors(text, desk.folder) == []
+
+
+def test_an_added_column_has_its_value_in_every_record(desk: Desk) -> None:
+    """It is asked for where records are listed: no record is left to a value that nobody has said."""
+    recipe = "recipes:\n  glue:\n    parameters: [P1120]\n    records: {thin: {P1120: 1.0}, thick: {P1120: 2.0}}\n"
+    text = f"{PLANT}{recipe}"
+    with pytest.raises(DiagnosticError, match="every record needs a value"):
+        made(desk, text, "parameter", job="recipes/glue", parameter="P1121")
+    found = made(desk, text, "parameter", job="recipes/glue", parameter="P1121", value="4.0")
+    assert found == text.replace("[P1120]\n", "[P1120, P1121]\n").replace(
+        "{thin: {P1120: 1.0}, thick: {P1120: 2.0}}",
+        "{thin: {P1120: 1.0, P1121: 4.0}, thick: {P1120: 2.0, P1121: 4.0}}",
+    )
+
+
+def test_a_job_of_several_drives(desk: Desk) -> None:
+    """A recipe for two axes; a kind that one of them lacks is refused, and the reason names the drive."""
+    same = PLANT.replace("  maker", "  twin: {device: sinamics-s120, hardware_id: 272, drive_object: 3}\n  maker")
+    found = made(desk, same, "job", key="it", drive="axis,twin", kind="write_recipe", recipe="glue")
+    assert "it: {drive: [axis, twin], write_recipe: glue}" in found
+    assert errors(found, desk.folder) == []
+    text = PLANT.replace("  maker", "  far: {device: sinamics-g120, hardware_id: 272}\n  maker")
+    lacking = offers(desk, text, "axis,far")["activate"]
+    assert lacking.lacks == f"far: {offers(desk, text, 'far')['activate'].lacks}"
+    with pytest.raises(DiagnosticError, match="far: "):
+        made(desk, text, "job", key="it", drive="axis,far", kind="activate")
+    typed = {"parameter": "P101", "type": "Unsigned16", "unit": "%"}
+    both = text.replace("  maker", "  other: {device: profidrive, hardware_id: 273}\n  maker")
+    found = made(desk, both, "job", key="it", drive="other,maker", kind="write", **typed)
+    assert found.count('parameters: {P101: {type: Unsigned16, unit: "%"}}') == 2
+    assert "it: {drive: [other, maker], write: {P101: }}" in found
+
+
+@pytest.mark.parametrize("device", ["ppi", *device_names()])
+@pytest.mark.parametrize("family", ["s7-1500", "s7-300"])
+def test_a_new_spec_names_no_command(device: str, family: str, desk: Desk) -> None:
+    """On the page there are buttons: nothing in it sends its reader to a shell; it has no errors."""
+    given = {"device": device, "family": family, "toolchain": "tia-v19" if family == "s7-1500" else "tia-v16"}
+    text = new_spec("job.yaml", given, desk.folder)
+    assert "plcgen" not in text
+    assert text.startswith("plc:")
     assert errors(text, desk.folder) == []
 
 
@@ -209,12 +270,12 @@ def test_a_parameter_is_removed_but_not_the_only_one(desk: Desk) -> None:
 
 def test_what_is_used_stays(desk: Desk) -> None:
     """A drive that jobs name is not removed: the reason names them; nor is what stands nowhere."""
-    with pytest.raises(DiagnosticError, match='"axis" is used by ramps, speed'):
+    with pytest.raises(DiagnosticError, match='"axis" is used by "ramps, speed"'):
         made(desk, PLANT, "remove", path="drives/axis")
     with pytest.raises(DiagnosticError, match="there is no"):
         made(desk, PLANT, "remove", path="jobs/nobody")
     text = made(desk, PLANT, "station", key="well")
-    with pytest.raises(DiagnosticError, match='"well" is used by read_well'):
+    with pytest.raises(DiagnosticError, match='"well" is used by "read_well"'):
         made(desk, text, "remove", path="ppi/line/stations/well")
 
 
@@ -239,6 +300,9 @@ def test_a_new_spec_has_the_jobs_that_were_chosen(desk: Desk) -> None:
         with pytest.raises(DiagnosticError, match="one job at least"):
             new_spec("job.yaml", {**given, "jobs": jobs}, desk.folder)
     assert "port: 283" in new_spec("job.yaml", {**given, "device": "ppi", "port": "283"}, desk.folder)
+    assert "read: [VD100]" in new_spec("job.yaml", {**given, "device": "ppi", "read": "VD100"}, desk.folder)
+    with pytest.raises(DiagnosticError, match="no address of an S7-200"):
+        new_spec("job.yaml", {**given, "device": "ppi", "read": "100"}, desk.folder)
 
 
 def test_one_step_back(desk: Desk) -> None:

@@ -57,6 +57,21 @@ def test_german_words(german: str, english: str, tmp_path: Path) -> None:
     assert found(tmp_path, german).parameters == found(tmp_path, english).parameters != ()
 
 
+def test_addresses_and_symbols_of_a_station(tmp_path: Path) -> None:
+    """The address that was typed, as the S7-200 writes it, or symbols by their words; nothing of the drives."""
+    text = (
+        "plc: {name: Press, family: s7-1200, toolchain: tia-v19}\n"
+        "ppi:\n  line:\n    module: cm1241\n    port: 270\n"
+        "    stations: {well: {address: 2, symbols: {level: VD104, running: Q0.0}}}\n"
+        "    jobs: {read_well: {station: well, read: [VW100]}}\n"
+    )
+    place = ("ppi", "line", "jobs", "read_well")
+    for words, wanted in (("vd200", ["VD200"]), ("Level", ["level"]), ("VD104", ["VD104", "level"]), ("speed", [])):
+        shown = found(tmp_path, words, *place, text=text).parameters
+        assert [one.parameter for one in shown] == wanted
+        assert {one.device for one in shown} <= {"well"}
+
+
 def test_every_drive_is_asked(tmp_path: Path) -> None:
     """Without a job all of them, those of units too, each device once; with one its drives alone."""
     assert {one.device for one in found(tmp_path, "F30001").messages} == {"sinamics-g120", "sinamics-s120"}

@@ -125,6 +125,17 @@ class DriveEngine:
         """The tokens of every block and type, in the order of their roles."""
         return sorted(unit for _, text in self.sources for unit in self._units(text))
 
+    def place(self) -> Span:
+        """Where the first block of the engine begins, as far as there is one."""
+        heads = tuple(f'FUNCTION_BLOCK "{name}"' for name in self.names.values())
+        places = (
+            Span(file, number, 1, end_column=len(line) + 1)
+            for file, text in self.sources
+            for number, line in enumerate(text.splitlines(), 1)
+            if line.startswith(heads)
+        )
+        return next(places, Span(self.sources[0][0]))
+
     def _units(self, text: str) -> Iterator[list[str]]:
         """The tokens of every block or type of the engine in a source."""
         roles = {name.upper(): f"<{role}>" for role, name in self.names.items()}
@@ -146,7 +157,7 @@ def engine_check(engine: DriveEngine) -> Check:
     if known is None:
         message = f"the drive engine in this folder (channel, ticket, gate) is none that was proven: {short}"
         remedy = "generate the folder again; who changes a template of the engine runs make engine"
-        found = Diagnostic("PG621", message, Span(engine.sources[0][0]), help=remedy)
+        found = Diagnostic("PG621", message, engine.place(), help=remedy)
         return Check("engine", f"engine {short}", "", Outcome.ERROR, message, found)
     by, here = known["prover"][:SHORT], prover_hash()[:SHORT]
     checks = "the checks of this copy" if by == here else f"earlier checks ({by}, now {here}); the text is the same"

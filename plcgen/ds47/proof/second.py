@@ -87,8 +87,8 @@ def _type_check(plan: DrivePlan, key: str, pairs: Sequence[tuple[PlannedDrive, U
     if single:
         shown = [single[number] for number in sorted(single)]
         verdict += f"; one source: {', '.join(shown[:_SHOWN])}{', ..' if len(shown) > _SHOWN else ''}"
-    if inferred := {use.parameter.pnu: use.label.partition("[")[0] for _, use in pairs
-                    if use.parameter.grades.get("type", "read") == "inferred"}:  # fmt: skip
+    graded = {use.parameter.pnu for _, use in pairs if use.parameter.grades.get("type", "read") == "inferred"}
+    if inferred := {number: label for number, label in single.items() if number in graded}:
         shown = [inferred[number] for number in sorted(inferred)]
         verdict += f"; inferred, not read in a manual: {', '.join(shown[:_SHOWN])}{', ..' if shown[_SHOWN:] else ''}"
     text = "; ".join(dict.fromkeys(one.source for one in second.values()))

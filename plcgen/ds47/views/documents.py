@@ -18,6 +18,8 @@ from plcgen.ds47.views.engine import programs as engine_programs
 from plcgen.ds47.views.engine import types
 from plcgen.ds47.views.parts import all_parts
 from plcgen.ds47.views.program import diagnosis_type, program
+from plcgen.project.target import Target
+from plcgen.s7.types.error_obs import ERROR_OBS, PULL_PLUG, ErrorOb
 
 
 def contribution(plan: DrivePlan) -> Contribution:
@@ -110,8 +112,16 @@ def _identifiers(plan: DrivePlan) -> dict[str, Any]:
         "drives": rows,
         "controls": [caller.control.name for caller in plan.callers],
         "classic": classic,
+        "error_obs": list(_error_obs(plan.target)),
         "on_profinet": ambiguous,
     }
+
+
+def _error_obs(target: Target) -> Iterator[ErrorOb]:
+    """The OBs without which the CPU can go to STOP. Of the S7-300, only CPUs with PROFINET have OB83."""
+    known = target.cpu.name if target.cpu is not None else ""
+    profibus_only = target.family == "s7-300" and known != "" and "PN" not in known
+    return (ob for ob in ERROR_OBS if target.family in ob.stops and not (ob.number == PULL_PLUG and profibus_only))
 
 
 def _number(value: int, *, classic: bool) -> str:

@@ -8,7 +8,7 @@ from plcgen.build.members import assignments, buffer_member, display_format, ini
 from plcgen.build.nouns import DataBlock, MemberRow, TypeBlock
 from plcgen.build.spelling import comment_text, declared_type, literal, one_line
 from plcgen.ds47.kind import Wait
-from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.access import Use, Verify
 from plcgen.ds47.plan.fields import interface_type
 from plcgen.ds47.plan.nouns import DriveField, DriveJob, DrivePlan
 from plcgen.ds47.views.texts import field_texts
@@ -43,6 +43,8 @@ def interface_row(plan: DrivePlan, use: Use, *, start: bool) -> MemberRow:
     own = comment_text(use.comment, plan.languages, where, use.parameter.title)
     if use.as_(Wait):
         own = f"{own or 'value'}, as last read in step {use.step}"
+    elif use.as_(Verify):
+        own = f"{own or 'value'}, read back"
     return plain(
         plan, use.member, declared_type(type_, tia=not where.v5), one_line(f"{use.label} {own}{unit}"), start=initial
     )

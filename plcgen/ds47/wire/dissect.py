@@ -23,6 +23,9 @@ Guess: TypeAlias = Literal["request", "response", "unknown"]
 
 MOVILINK, TRANSPORT = 0x40, 0x41
 """Request ids of SEW (DFE32B manual p. 73); with the first one the attribute is a service, and a value may follow."""
+MAKERS = frozenset(bytes((one,)) for one in (MOVILINK, TRANSPORT, 0x80 | MOVILINK))
+"""Second bytes of telegrams whose form is a maker's."""
+OF_A_MAKER = "manufacturer-specific"
 _REQUESTS = {
     0x01: "request parameter",
     0x02: "change parameter",
@@ -71,7 +74,7 @@ def _identifier(walker: _Walker, name: str, known: dict[int, str]) -> int:
     value = walker.peek(1)
     note = known.get(value, "")
     if not note:
-        note = "manufacturer-specific" if 0x40 <= value <= 0x7F else "reserved"
+        note = OF_A_MAKER if 0x40 <= value <= 0x7F else "reserved"
     return walker.add(1, name, f"{value:02X}h", note, problem=value not in known)
 
 
@@ -89,7 +92,7 @@ def _header(walker: _Walker, mirror: str, name: str, known: dict[int, str]) -> t
 
 def _address(walker: _Walker, at: str, names: Mapping[int, str]) -> None:
     attribute = walker.peek(1)
-    note = names.get(attribute, "manufacturer-specific" if attribute >= 0x80 else "reserved")
+    note = names.get(attribute, OF_A_MAKER if attribute >= 0x80 else "reserved")
     walker.add(1, f"{at} attribute", f"{attribute:02X}h", note, problem=note == "reserved")
     elements = walker.peek(1)
     bad = f"over {MAX_ELEMENTS}" if elements > MAX_ELEMENTS else ""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Iterator
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.proof.folder import Folder, plain
-from plcgen.proof.wording.model import Wording, agrees, stated_facts
+from plcgen.proof.wording.model import GENERATOR, Wording, agrees, stated_facts
 from plcgen.s7.layout.image import image
 from plcgen.s7.layout.layout import layout_block
 from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind
@@ -50,6 +51,8 @@ def _header(block: Block, folder: Folder, stated: Wording) -> Iterator[str]:
     version, wanted = block.attributes.get("VERSION"), stated.version(block)
     if version is not None and version.strip("'") != wanted:
         yield f"its version is {version}, not {wanted}"
+    if wanted == GENERATOR and block is folder.text.get(block.name.upper()):
+        yield from _own_hash(block, folder.text_of(block.name))
     if block.attributes.get("FAMILY", stated.family) != stated.family:
         yield f"its family is {block.attributes['FAMILY']}, not {stated.family}"
     if block.kind is BlockKind.DB and folder.encoding != "cp1252" and block.non_retain == stated.retains(block):
@@ -63,6 +66,16 @@ def _header(block: Block, folder: Folder, stated: Wording) -> Iterator[str]:
             ) else {}  # fmt: skip
             if found != right:
                 yield f"{member.name} has {found}, not {right}"
+
+
+def _own_hash(block: Block, source: str) -> Iterator[str]:
+    """NAME: H and the first seven digits of the SHA-256 of all lines of the block but NAME and VERSION, as UTF-8."""
+    lines = source[: source.index("END_FUNCTION_BLOCK")].splitlines()
+    kept = [line for line in lines if not line.startswith(("NAME :", "VERSION :"))]
+    digest = hashlib.sha256("\n".join([*kept, "END_FUNCTION_BLOCK", ""]).encode()).hexdigest()
+    right, name = f"H{digest[:7].upper()}", block.attributes.get("NAME", "").strip("'")
+    if name != right:
+        yield f"its hash (NAME) is {name or 'missing'}, that of its text {right}: the text was changed"
 
 
 def _wrong(block: Block, what: str, texts: frozenset[str], place: Span) -> Diagnostic:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from plcgen._version import __version__
 from plcgen.base.diagnostics import Diagnostic
 from plcgen.project.nouns import BlockRef, PlannedJob
 from plcgen.proof.folder import plain, rendered
 from plcgen.s7.types.blocks import Block
 
+GENERATOR = ".".join(__version__.split(".")[:2])
+"""VERSION in the header of every block that is made from the spec alone: that of plcgen."""
 _MARKS = ("(*", "*)", "//", "/*", "*/", "'", "{", "}", ";", '"')
 """What a title must not contain: it would begin or end something else."""
 _FACT = re.compile(
@@ -68,6 +71,10 @@ class Wording(Protocol):
     @property
     def tag_table(self) -> str:
         """Name of its tag table, without the prefix of the project."""
+
+    @property
+    def controls(self) -> Collection[str]:
+        """Names in capitals of the data blocks with the structures of its jobs."""
 
     def member(self, block: Block, path: Sequence[str], offset: int | None) -> frozenset[str] | None:
         """What the member at a path may say of itself; ``offset`` in bytes, None if there is none."""

@@ -18,6 +18,10 @@ from plcgen.s7.types.spelling import type_text
 
 FILE = "LAYOUT.md"
 _STANDARD = "Standard access, big-endian; offsets in bytes."
+_JOBS = (
+    "Programs and panels address {} by name: a structure for each job. Its offsets and those of all other blocks: "
+    "`plcgen layout` with this folder."
+)
 _COLUMNS = ["offset", "address", "name", "type", "bytes", "start value", "meaning"]
 _PART = re.compile(r'### (?:DB(?P<number>\d+) )?"(?P<name>.+)", (?P<size>\d+) bytes')
 _ADDRESS = re.compile(r"DB(\d+)\.(DB[XBWDL])(\d+)(?:\.\d)?")
@@ -58,6 +62,7 @@ class _Sheet:
     numbers: Mapping[str, int]
     images: Mapping[str, bytes]
     wanted: dict[str, list[frozenset[str]]]
+    jobs: str
     waiting: list[frozenset[str]] = field(default_factory=list)
     table: _Table | None = None
     seen: set[str] = field(default_factory=set)
@@ -69,7 +74,8 @@ def check_sheet(project: Project, folder: Folder, stated: Sequence[Wording], tex
     wanted = {block.name.upper(): lists for block in folder.text.values() if (lists := _lists(block, folder, stated))}
     numbers = {ref.name.upper(): ref.number for ref in project.blocks}
     images = {buffer.home.name: buffer.image for buffer in buffers}
-    sheet = _Sheet(project, folder, stated, numbers, images, wanted)
+    controls = [f"`{folder.text[name].name}`" for one in stated for name in one.controls if name in folder.text]
+    sheet = _Sheet(project, folder, stated, numbers, images, wanted, _JOBS.format(", ".join(controls)))
     lines = text.split("\n")
     top = f"# {project.name}: layout of the data blocks"
     if rendered(lines[0]) != plain(top):
@@ -77,6 +83,7 @@ def check_sheet(project: Project, folder: Folder, stated: Sequence[Wording], tex
     for number, line in enumerate(lines[1:], 2):
         yield from ((number, what) for what in _line(sheet, line))
     yield from ((len(lines), what) for what in _ended(sheet))
+    yield from ((2, f'the line "{line}" is missing') for line in (_STANDARD, sheet.jobs) if line not in lines)
     yield from ((len(lines), f"the part of {name} is missing") for name in sheet.wanted)
     missing = len(set(images) - sheet.seen)
     if missing:
@@ -110,7 +117,7 @@ def _line(sheet: _Sheet, line: str) -> Iterator[str]:
         row = next(table_rows(line))
         if row != _COLUMNS and sheet.table is not None:
             yield from _row(sheet.table, row)
-    elif line not in {"", _STANDARD, "|---:|---|---|---|---:|---|---|"}:
+    elif line not in {"", _STANDARD, sheet.jobs, "|---:|---|---|---|---:|---|---|"}:
         yield f'no source for "{line}"'
 
 

@@ -85,6 +85,7 @@ def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress 
         excerpts=tuple(excerpts(sources_of(request.folder), sheet.exchanges)),
         missing=tuple(missing),
         planned=project is not None,
+        language=project.languages[0][:2].lower() if project is not None else "en",
     )
 
 

@@ -92,7 +92,8 @@ class Review:
 
     ``spec_hash`` covers the files that the spec has ``included``; ``base`` names what was compared with, empty if
     nothing was; ``changes`` are comparisons, each with a title; ``lock`` is the comparison of the lock with the
-    sources; ``missing`` are sentences about what is not there; ``planned`` is whether the spec could be planned.
+    sources; ``missing`` are sentences about what is not there; ``planned`` is whether the spec could be planned;
+    ``language`` is the first one of the project, without its region.
     """
 
     spec: str
@@ -113,6 +114,7 @@ class Review:
     excerpts: tuple[Excerpt, ...]
     missing: tuple[str, ...]
     planned: bool = True
+    language: str = "en"
 
     @property
     def problems(self) -> tuple[Diagnostic, ...]:

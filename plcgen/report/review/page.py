@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import hashlib
+import tomllib
 from base64 import b64encode
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache, partial
 from typing import Any
 
 from plcgen.base.diagnostics import Diagnostic
 from plcgen.base.display.cells import clean
+from plcgen.base.resources import templates_dir
+from plcgen.build.phrases import LANGUAGES
 from plcgen.build.sheet import ExchangeSheet, Message, MessageField, Role, WriteEntry
 from plcgen.proof.checks import Outcome
 from plcgen.report.review.grid import matrix, scenario_grids
@@ -40,8 +44,12 @@ ROLES = tuple((role.value, text) for role, text in zip(
 
 def page_view(review: Review, script: str) -> dict[str, Any]:
     """Everything that the template needs; ``script`` is the text of its only script, permitted by its hash."""
+    say = partial(said_in, review.language)
     return {
         **script_view(script),
+        "_": say,
+        "language": review.language if review.language in LANGUAGES else "en",
+        "shown_verdict": shown_verdict(review, say),
         "parts": [PARTS[1], PARTS[0], *PARTS[2:]] if review.changes else PARTS,
         "roles": ROLES,
         "review": review,
@@ -80,6 +88,25 @@ def verdict(review: Review) -> str:
         return "not in order"
     left = len(review.not_run)
     return f"in order as far as it was run, {left} not run" if left else "in order"
+
+
+def shown_verdict(review: Review, say: Callable[[str], str]) -> str:
+    """The verdict in a language, with the names of what was not run."""
+    if not review.ok or not review.not_run:
+        return say(verdict(review))
+    left = [clean(check.subject) for check in review.not_run]
+    names = f"{', '.join(left[:_SUBJECTS])}{', ..' if left[_SUBJECTS:] else ''}"
+    return f"{say('in order as far as it was run')}, {len(left)} {say('not run')}: {names}"
+
+
+def said_in(language: str, label: str) -> str:
+    """A label of the page in a language; what the table has not stays as it is."""
+    return dict(zip(LANGUAGES, _labels().get(label, ()), strict=False)).get(language, label)
+
+
+@cache
+def _labels() -> dict[str, list[str]]:
+    return tomllib.loads((templates_dir() / "html" / "review.toml").read_text("utf-8"))
 
 
 def no_writes(review: Review) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
@@ -13,6 +14,8 @@ from plcgen.s7.compare.model import TAG_TABLE, BlockState, Change, Found, Member
 from plcgen.s7.compare.policy import Level
 from plcgen.s7.types.absent import OF_BLOCKS, optimized
 
+_OWN_HASH = re.compile(r"'?H[0-9A-F]{7}'?")
+"""In the header of a generated block: a hash of its text (docs/generated-code.md)."""
 _ORDER = {"DB": 0, "FB": 1, "FC": 2, "OB": 3, "UDT": 4, TAG_TABLE: 5}
 
 
@@ -161,9 +164,13 @@ class _Pair:
             name = spelt[key]
             self.add("block-attribute", f"{name} {was or '(absent)'} -> {now or '(absent)'}", was, now)
         if self.comments:
-            for name, was, now in _differences(dict(old.texts), dict(new.texts)):
+            before, after = dict(old.texts), dict(new.texts)
+            hashed = any(_OWN_HASH.fullmatch(side.get("name", "")) for side in (before, after))
+            for name, was, now in _differences(before, after):
                 if _mixed(old, new) and not (was and now):
                     continue  # not every text has a place in both spellings
+                if hashed and name in {"name", "version"}:
+                    continue  # which plcgen made it, and what follows from all that is compared here
                 self.add("block-text", f"{name} {text_change(was, now)}", was, now)
 
     def access(self) -> None:

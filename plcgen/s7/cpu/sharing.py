@@ -6,11 +6,12 @@ IN_OUT of the same type. What depends on a variable, and code that is no SCL tex
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from plcgen.base.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.s7.cpu.call_sites import CallSite, CallSites, DataPath, Reached, absolute_path
+from plcgen.s7.cpu.error_obs import missing_obs
 from plcgen.s7.cpu.linkage import Linkage, ProgramBlock
 from plcgen.s7.types.blocks import BlockKind, SectionKind
 from plcgen.s7.types.data_types import NamedType
@@ -24,8 +25,8 @@ _START_UP = frozenset({100, 101, 102})
 """OBs that have ended before another one begins."""
 
 
-def sharing(link: Linkage) -> list[Diagnostic]:
-    """PG840 to PG844 for a program that is laid out."""
+def sharing(link: Linkage, documented: Iterable[int] = ()) -> list[Diagnostic]:
+    """PG840 to PG845 for a program that is laid out; ``documented`` are numbers of OBs that only documents have."""
     records = {*_RECORD_BLOCKS, *_RECORD_BLOCKS.values()}
     records |= {link.aliases[number] for number in _RECORD_BLOCKS.values() if number in link.aliases}
     records -= link.blocks.keys()
@@ -33,7 +34,8 @@ def sharing(link: Linkage) -> list[Diagnostic]:
     found = _Sharing(link, sites, records)
     if not found.talking:
         return []
-    return [*found.two_obs(), *found.two_channels(), *found.two_jobs(), *found.two_units(), *found.foreign_calls()]
+    shared = [*found.two_obs(), *found.two_channels(), *found.two_jobs(), *found.two_units(), *found.foreign_calls()]
+    return [*shared, *missing_obs(link, documented)]
 
 
 @dataclass(slots=True)

@@ -128,7 +128,7 @@ def check_program(
     loaded = [load_text(path, target, encoding=encoding) for path in paths]
     refused = [problem for text in loaded if not isinstance(text, Diagnostic) for problem in text[1]]
     found = sorted(
-        [*found, *_unchecked(program, partial(load, iec_check=IecCheck.ON)), *sharing(program.link)],
+        [*found, *_unchecked(program, partial(load, iec_check=IecCheck.ON)), *sharing(program.link, beside.obs)],
         key=lambda d: d.sort_key,
     )
     return SourceCheck(tuple(map(Path, paths)), len(program.link.blocks), (*refused, *found))

@@ -24,13 +24,15 @@ class Surroundings:
     """What is known without being checked itself.
 
     ``interfaces`` are the declarations of blocks as texts by their files, ``tags`` names with address and type,
-    ``constants`` names in upper case with type and literal, ``stated`` says of blocks whether their IEC check is on.
+    ``constants`` names in upper case with type and literal, ``stated`` says of blocks whether their IEC check is on,
+    ``obs`` has the numbers of organization blocks.
     """
 
     interfaces: list[tuple[str, str]] = field(default_factory=list)
     tags: dict[str, str | tuple[str, str]] = field(default_factory=dict)
     constants: dict[str, tuple[str, str]] = field(default_factory=dict)
     stated: dict[str, bool] = field(default_factory=dict)
+    obs: set[int] = field(default_factory=set)
     diagnostics: list[Diagnostic] = field(default_factory=list)
 
     @classmethod
@@ -46,6 +48,8 @@ class Surroundings:
         types = {block.name.upper(): block for _, block in reversed(blocks)}
         for file, block in blocks:
             found.interfaces.append((file, source(replace(block, code="", title="", comment=""), types)))
+            if block.kind is BlockKind.OB and block.number is not None:
+                found.obs.add(block.number)
             if block.kind in _CODE:  # an export leaves out what is the default: off
                 checked = block.attributes.get(IEC_CHECK, "").strip().lower() == "true"
                 found.stated.setdefault(block.name.upper(), checked)

@@ -72,7 +72,7 @@ def caret(document: Opened, line: int, character: int) -> tuple[int, int]:
 def outline(state: SpecState) -> dict[str, Any]:
     """What the form shows: drives and jobs as the text has them, and whether jobs can be added here."""
     drives = []
-    for path, key in state.names("drives"):
+    for path, key in (*state.names("drives"), *state.names("units", "*", "drives")):
         known = known_drive(state, key)
         drives.append(
             {

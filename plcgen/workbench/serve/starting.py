@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any, get_args
 
 from plcgen.base.diagnostics import DiagnosticError, Report, Span
 from plcgen.ds47.devices import Catalogue, device_names, find_device
+from plcgen.ds47.wire.formats import format_names
+from plcgen.ppi.wire.address import PpiAddressError, parse_item
 from plcgen.project.schema import Toolchain
 from plcgen.project.target import combination_problem
 from plcgen.s7.types.families import FAMILIES
@@ -20,6 +24,7 @@ CLASSIC = ("s7-300", "s7-400")
 LANGUAGES = ("en-US", "de-DE", "zh-CN")
 Given = Mapping[str, str]
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,23}\Z")
+_COMMAND = re.compile(r"(?:; others)?: plcgen [\w -]+$", re.MULTILINE)
 _TITLE = re.compile(r"\w[\w .()-]{0,59}\Z")
 
 
@@ -40,7 +45,8 @@ def _number(given: Given, which: str, default: str, place: str) -> str:
 def new_spec(name: str, given: Given, folder: Path) -> str:
     """The text of a starter spec without its hints at commands of a shell: here are buttons for them."""
     lines = _starter_text(name, given, folder).splitlines(keepends=True)
-    return "".join(line for line in lines if not (line.startswith("#") and re.search(r"plcgen \w", line)))
+    kept = (line for line in lines if not (line.startswith("#") and re.search(r"plcgen \w", line)))
+    return "".join(_COMMAND.sub("", line) for line in kept).lstrip("\n")
 
 
 def _starter_text(name: str, given: Given, folder: Path) -> str:
@@ -59,6 +65,12 @@ def _starter_text(name: str, given: Given, folder: Path) -> str:
         text = re.sub(
             r"\b(port|address): (?:270|256)\b", rf"\g<1>: {_number(given, 'port', '270', name)}", text, count=1
         )
+        read = given.get("read", "").strip()
+        try:
+            parse_item(read or "VW100")
+        except PpiAddressError:
+            raise wrong(name, f'"{read}" is no address of an S7-200', "such as VW100, VD100, M0.0") from None
+        text = text.replace("[VW100, M0.0]", f"[{read}]") if read else text
         return text.replace("My station", title)
     report = Report()
     device = Catalogue(folder).find(given.get("device", ""), Span(name), report)
@@ -73,6 +85,14 @@ def _starter_text(name: str, given: Given, folder: Path) -> str:
         if given.get(key, "").strip():
             text = re.sub(rf"(?m)^    ({keys}): \d+", rf"    \g<1>: {_number(given, key, '', name)}", text)
     return text
+
+
+@cache
+def _units() -> tuple[str, ...]:
+    """Units of the parameters of shipped devices, those of most parameters first."""
+    devices = [find_device(key) for key in device_names()]
+    counted = Counter(one.unit for device in devices for one in device.parameters.values() if one.unit)
+    return tuple(unit for unit, _ in counted.most_common())
 
 
 def choices() -> dict[str, Any]:
@@ -98,6 +118,8 @@ def choices() -> dict[str, Any]:
             }
             for one in FAMILIES
         ],
+        "types": format_names(),
+        "units": list(_units()),
         "cpus": [str(one) for one in shape.words(("ppi", "*", "stations", "*", "cpu"))],
         "languages": list(LANGUAGES),
     }

@@ -37,10 +37,10 @@ def page(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
 
 
 @pytest.mark.slow
-def test_nothing_is_outside_or_clipped(page: Path, tmp_path: Path) -> None:
+def test_nothing_is_outside_or_clipped(page: Path) -> None:
     """At three widths, with every fold open."""
     opened = f"(document.querySelectorAll('details').forEach((one) => one.open = true), {MEASURE.strip().rstrip(';')})"
-    assert {width: evaluate(page, tmp_path, opened, width) for width in WIDTHS} == {width: [] for width in WIDTHS}
+    assert {width: evaluate(page, opened, width) for width in WIDTHS} == {width: [] for width in WIDTHS}
 
 
 @pytest.mark.slow
@@ -98,7 +98,7 @@ def test_the_script_filters_and_exports(tmp_path: Path) -> None:
       return [only, document.querySelectorAll(".hidden").length, document.querySelector("#exported").textContent];
     })()
     """
-    only, hidden, text = evaluate(page, tmp_path, script)
+    only, hidden, text = evaluate(page, script)
     assert only
     assert hidden == 0
     assert "Reviewed by: A. Reviewer" in text

@@ -7,6 +7,7 @@ import html.parser
 import json
 import re
 import shutil
+import tomllib
 
 import pytest
 
@@ -15,8 +16,10 @@ from plcgen.base.diagnostics import DiagnosticError
 from plcgen.build.sheet import Role
 from plcgen.ds47.sheet import review_sheet
 from plcgen.proof.checks import Check, CheckGroup, Outcome, Trial, Verification
+from plcgen.proof.ledger import Grade
 from plcgen.report.review.grid import matrix, scenario_grids
 from plcgen.report.review.markdown import LIMIT
+from plcgen.report.review.page import PARTS, ROLES
 from plcgen.report.review.timeline import time_line
 from plcgen.report.trace.model import JobResult, Trace
 from tests.projects import FAQ, ROOT, generated_example, per_block
@@ -390,3 +393,25 @@ def test_scenarios_stand_in_grids():
     )
     assert (second.jobs, second.more) == (("b",), 0)
     assert second.rows[1] == ("lost", (("error", "30 scans"),))
+
+
+@pytest.mark.parametrize(("language", "title"), [("en", "Write list"), ("de", "Schreibliste"), ("zh", "写入清单")])
+def test_labels_are_in_the_first_language_of_the_project(language: str, title: str):
+    """Headings, columns, badges and fields; what the spec, reports and telegrams say stays as it is."""
+    page = show("html", dataclasses.replace(faq_review(), language=language))
+    assert f'<html lang="{language}">' in page
+    assert f"<h2>3 {title}</h2>" in page
+    assert ("<th>job, block</th>" in page) == (language == "en")
+    assert "RFG ramp-down time 1" in page
+
+
+def test_every_label_has_both_languages():
+    """A label of the template, and each word that the page puts into one, is in the table."""
+    table = tomllib.loads((ROOT / "templates" / "html" / "review.toml").read_text("utf-8"))
+    template = (ROOT / "templates" / "html" / "review.html.j2").read_text("utf-8")
+    wanted = {label for pair in re.findall(r"_\(\"([^\"]+)\"\)|_\('([^']+)'\)", template) for label in pair if label}
+    wanted |= (
+        {title for _, title in PARTS} | {text for _, text in ROLES} | set(map(str, Outcome)) | set(map(str, Grade))
+    )
+    assert wanted - table.keys() == set()
+    assert {label for label, said in table.items() if len(said) != 2 or not all(said)} == set()

@@ -19,7 +19,8 @@ def source(case):
     v5 = case.get("dialect") == "V5"
     access, local = ("", "") if v5 else (ACCESS, "#")
     constant = "CONST\nONE := 1;\nEND_CONST" if v5 else "VAR CONSTANT\nONE : Int := 1;\nEND_VAR"
-    drive = "driveAddress : DWORD" if v5 else "hardwareId : HW_IO"
+    classic = case.get("dialect", "T15") != "T15"
+    drive = "driveAddress : DWORD" if classic else "hardwareId : HW_IO"
     data = ("STRUCT", "END_STRUCT;") if v5 else ("VAR", "END_VAR")
     return f"""TYPE "tUnit"
 STRUCT
@@ -41,7 +42,7 @@ VAR
   buffer : ARRAY[0..9] OF BYTE;
 END_VAR
 BEGIN
-{local}send(REQ := FALSE, ID := {"DW#16#0" if v5 else "0"}, INDEX := 47, LEN := 10, RECORD := {local}buffer);
+{local}send(REQ := FALSE, ID := {"DW#16#0" if classic else "0"}, INDEX := 47, LEN := 10, RECORD := {local}buffer);
 END_FUNCTION_BLOCK
 FUNCTION_BLOCK "Ask"
 {access}VAR_INPUT
@@ -86,7 +87,7 @@ FUNCTION_BLOCK "Calls"
   here : "tPlace";
   flag : BOOL;
   n : INT;
-  id : {"DWORD" if v5 else "HW_IO"};
+  id : {"DWORD" if classic else "HW_IO"};
 END_VAR
 {constant}
 BEGIN

@@ -422,15 +422,28 @@ def test_other_documents_in_a_folder_are_left_alone(tmp_path: Path) -> None:
     assert not plcgen.convert(tmp_path / "b.xml", to="scl", out=tmp_path / "out2").ok
 
 
-def test_a_document_of_s7_300_needs_classic(tmp_path: Path) -> None:
-    """It says nothing about its access, so what is taken for granted is told, and ``classic`` says otherwise."""
+def test_documents_without_any_layout_are_of_s7_300(tmp_path: Path) -> None:
+    """An export of S7-1200/1500 has a MemoryLayout in every document (``REQUIRED``), one of S7-300/400 in none."""
     there = plcgen.convert(*put(tmp_path, a_scl=FB, b_db=INSTANCE), to="xml", out=tmp_path / "xml", classic=True)
     assert there.diagnostics == ()
     assert "MemoryLayout" not in (tmp_path / "xml/Motor.xml").read_text("utf-8-sig")
-    guessed = plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "guessed")
-    assert [(d.code, d.severity.label, "--classic" in (d.help or "")) for d in guessed.diagnostics] == [
+    taken = plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "taken")
+    assert [(d.code, d.severity.label) for d in taken.diagnostics] == [("PG815", "note")]
+    assert plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl", classic=True).diagnostics == ()
+    for folder in ("taken", "scl"):
+        assert "S7_Optimized_Access := 'FALSE'" in (tmp_path / folder / "Motor.scl").read_text("utf-8-sig")
+
+
+def test_a_document_without_layout_among_others_is_told_of(tmp_path: Path) -> None:
+    """TIA takes a missing one as optimized; a single warning names the blocks."""
+    put(tmp_path, a_scl=FB, c_scl=FB.replace("Motor", "Fan"), d_scl=FB.replace("Motor", "Pump"))
+    plcgen.convert(*tmp_path.glob("*.scl"), to="xml", out=tmp_path / "xml")
+    for name in ("Motor", "Fan"):
+        path = tmp_path / "xml" / f"{name}.xml"
+        path.write_text(re.sub(r"<MemoryLayout>.*?</MemoryLayout>", "", path.read_text("utf-8-sig")), "utf-8-sig")
+    found = plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl")
+    assert [(d.code, d.severity.label, "--classic" in (d.help or "")) for d in found.diagnostics] == [
         ("PG815", "warning", True)
     ]
-    assert 'FB "Motor" has no MemoryLayout' in guessed.diagnostics[0].message
-    assert plcgen.convert(tmp_path / "xml", to="scl", out=tmp_path / "scl", classic=True).diagnostics == ()
-    assert "S7_Optimized_Access := 'FALSE'" in (tmp_path / "scl/Motor.scl").read_text("utf-8-sig")
+    assert 'FB "Fan", FB "Motor"' in found.diagnostics[0].message
+    assert "S7_Optimized_Access := 'TRUE'" in (tmp_path / "scl/Motor.scl").read_text("utf-8-sig")

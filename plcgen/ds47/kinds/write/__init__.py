@@ -12,7 +12,7 @@ WRITE = JobKind(
     place=20,
     writes=True,
     shape=Annotated[tuple[WriteItem, ...], short_items("parameter")],
-    description="parameter: value, parameter: {value, as, type, start}, or a list of such",
+    description="parameter: value (without one an input), parameter: {value, as, type, start}, or a list of such",
     example="write: {P50303: 10.0}",
     short=lambda definitions: short_items_schema(definitions, "WriteItem", "parameter", lists=True),
     bits=True,

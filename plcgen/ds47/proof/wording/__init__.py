@@ -31,7 +31,7 @@ from plcgen.ds47.proof.wording.naming import (
 from plcgen.ds47.registry import kind_called
 from plcgen.project.nouns import PlannedJob
 from plcgen.proof.wording.comments import EMPTY
-from plcgen.proof.wording.model import GuideLine, Shown, agrees, held, states
+from plcgen.proof.wording.model import GENERATOR, GuideLine, Shown, agrees, held, states
 from plcgen.s7.types.blocks import Block, BlockKind
 
 _KINDS = {
@@ -325,11 +325,10 @@ class DriveWording:
         return {"WRREC": "1.1" if self.plan.target.t15 else "1.0", "RDREC": "1.0", "TON_TIME": "1.0", **own}
 
     def version(self, block: Block) -> str | None:
-        """Of the blocks whose code is the same in every project a number of their own, 1.0 of jobs."""
+        """Of the blocks whose code is the same in every project a number of their own, plcgen's of jobs and callers."""
         if self.title(block) is None:
             return None
-        code = block.kind is BlockKind.FB and block.name.upper() not in self.callers
-        return VERSIONS.get(self.engine.get(block.name.upper(), ""), "1.0" if code else "0.1")
+        return VERSIONS.get(self.engine.get(block.name.upper(), ""), GENERATOR if block.kind is BlockKind.FB else "0.1")
 
     def _numbered(self, job: DriveJob, use: Use, called: str, text: str) -> bool:
         """Whether a line says which access has a number: what is done with which parameter, or what is waited for."""

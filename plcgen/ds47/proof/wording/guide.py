@@ -15,6 +15,7 @@ from plcgen.ds47.proof.wording.grounds import Stated, service_numbers
 from plcgen.ds47.proof.wording.naming import labels, same_number
 from plcgen.ds47.wire.formats import unpack_values
 from plcgen.oracles.spec.ds47.signing import SAFETY
+from plcgen.project.target import Target
 from plcgen.proof.folder import plain
 from plcgen.proof.wording.languages import title_in
 from plcgen.proof.wording.model import GuideLine
@@ -48,7 +49,7 @@ def guide_before(plan: DrivePlan) -> list[GuideLine]:
     used = {drive.record_index for drive in plan.drives if drive.key in asked}
     found += [] if plan.target.classic else _said("constant")
     found += _said("record_47") if RECORD_47 in used and not plan.target.classic else []
-    found += _said("errors") if plan.target.classic else []
+    found += _errors(plan.target)
     found += _said("jobs", controls=", ".join(f"`{one.control.name}`" for one in plan.callers))
     found += [] if plan.target.v5 else _said("by_name")
     if served := [job for job in plan.jobs if job.serves]:
@@ -65,6 +66,14 @@ def guide_before(plan: DrivePlan) -> list[GuideLine]:
     return [GuideLine(text) for text in found]
 
 
+def _errors(target: Target) -> list[str]:
+    """Error OBs of the family; CPUs of the S7-300 without PROFINET have no OB83."""
+    if target.t15:
+        return _said(f"errors_{target.family}")
+    without = target.family == "s7-300" and target.cpu is not None and "PN" not in target.cpu.name
+    return [line for line in _said("errors") if not (without and line.startswith("| OB83 "))]
+
+
 def _drive(drive: PlannedDrive, *, classic: bool) -> str:
     address = drive.id_value & ~OUTPUT if classic else drive.id_value
     name = drive.id_name or f"{address}{', output' if classic and drive.id_value & OUTPUT else ''}"
@@ -77,7 +86,9 @@ def _drive(drive: PlannedDrive, *, classic: bool) -> str:
 def behind(plan: DrivePlan, stated: Stated) -> list[GuideLine]:
     """What the blocks write: a row for every parameter of every telegram that is a change, for each drive."""
     rows = [(job, use) for job in plan.jobs for use in job.own if use.writes]
-    services = [line for job in plan.jobs if job.permitted is not None for line in _permitted(plan, stated, job)]
+    services = [
+        line for job in plan.jobs if job.permitted for line in _permitted(plan, stated, job, job.permitted.db.name)
+    ]
     if not rows and not services:
         return []
     found = [*map(GuideLine, _said("writes")), *(_written(plan, stated, job, use) for job, use in rows), *services]
@@ -88,13 +99,11 @@ def behind(plan: DrivePlan, stated: Stated) -> list[GuideLine]:
     return [*found, *map(GuideLine, _said("lost"))]
 
 
-def _permitted(plan: DrivePlan, stated: Stated, job: DriveJob) -> Iterator[GuideLine]:
+def _permitted(plan: DrivePlan, stated: Stated, job: DriveJob, table: str) -> Iterator[GuideLine]:
     """What a service may write, and what the spec names of it, with why that asks and who answers for it."""
     numbers, named = service_numbers(plan, stated, job)
     front, notes = f"| {job.block.name} | {job.drive.key}", sentences()["guide"]["service"]
-    yield GuideLine(
-        plain(f"{front} | {len(numbers)} numbers | those of {job.block.name}_Numbers | an input | {notes} |")
-    )
+    yield GuideLine(plain(f"{front} | {len(numbers)} numbers | those of {table} | an input | {notes} |"))
     for number, reason in sorted(named.items()):
         danger = next(stated.danger(plan, job, number), f"signed off: {reason}")
         yield GuideLine(plain(f"{front} | P{number} | named by the spec | an input | {danger} |"))

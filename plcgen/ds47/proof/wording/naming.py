@@ -9,7 +9,7 @@ import math
 import re
 
 from plcgen.ds47.kind import Wait
-from plcgen.ds47.plan.access import Use
+from plcgen.ds47.plan.access import Use, Verify
 from plcgen.ds47.plan.nouns import DriveJob
 from plcgen.ds47.proof.wording.meanings import AskedValue, numbers, subindices
 from plcgen.ds47.wire.formats import unpack_values
@@ -61,8 +61,9 @@ def titles(use: Use) -> frozenset[str]:
 
 def value_texts(use: Use, called: str) -> frozenset[str]:
     """What a member with the value of an access may say."""
-    if use.as_(Wait):
-        found = {f"{called} {title or 'value'}, as last read in step {use.step}" for title in titles(use)}
+    if use.as_(Wait) or use.as_(Verify):
+        when = "read back" if use.as_(Verify) else f"as last read in step {use.step}"
+        found = {f"{called} {title or 'value'}, {when}" for title in titles(use)}
         return frozenset(f"{text}{in_unit(use)}" for text in found)
     return frozenset(line(f"{called} {title}{in_unit(use)}") for title in titles(use))
 

@@ -19,7 +19,7 @@ from plcgen.ppi.proof.wording.meanings import asked_items, called, holds, of_ans
 from plcgen.project.nouns import PlannedJob
 from plcgen.proof.folder import plain
 from plcgen.proof.wording.comments import EMPTY
-from plcgen.proof.wording.model import GuideLine, Shown, agrees, held, untitled
+from plcgen.proof.wording.model import GENERATOR, GuideLine, Shown, agrees, held, untitled
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.types.names import shorten
 
@@ -46,6 +46,11 @@ class PpiWording:
         own = [block for master in plan.masters for block in (master.instance, *(master.module_instances or ()))]
         self.instances = {block.name.upper() for block in own}
         self.control, self.diagnostics = plan.control_db.name.upper(), plan.diagnostics_type.name.upper()
+
+    @property
+    def controls(self) -> tuple[str]:
+        """One for all masters."""
+        return (self.control,)
 
     @cached_property
     def buffers(self) -> dict[str, tuple[PlannedMaster, PpiTelegram, bool]]:
@@ -224,8 +229,10 @@ class PpiWording:
         return {"TON_TIME": self.plan.loaded.spec.plc.instructions.TON_TIME or "1.0"}
 
     def version(self, block: Block) -> str | None:
-        """0.1 of every block."""
-        return "0.1" if self.title(block) is not None else None
+        """That of plcgen of masters, 0.1 of other blocks."""
+        if self.title(block) is None:
+            return None
+        return GENERATOR if block.kind is BlockKind.FB else "0.1"
 
     # ---- what tables show
 

@@ -1,6 +1,6 @@
 // Questions to the server; the secret of the address is in every relative path.
 import { $, h } from "./dom.js";
-import { word } from "./words.js";
+import { said, word } from "./words.js";
 
 export class Refused extends Error {
   constructor(problems) {
@@ -54,9 +54,9 @@ export async function attempt(call, into = undefined) {
     if (!(problem instanceof Refused)) throw problem;
     for (const one of problem.problems) {
       const place = one.line ? ` (${one.file}:${one.line})` : one.file ? ` (${one.file})` : "";
-      const said = `${one.code ? `${one.code}: ` : ""}${one.message}${place}`;
-      if (into) into.append(h("p", { class: "bad" }, said, one.help ? h("small", {}, ` ${one.help}`) : null));
-      else tell(said, one.severity ?? "error", one.help);
+      const text = `${one.code && one.code !== "PG901" ? `${one.code}: ` : ""}${said(one.message)}${into ? "" : place}`, help = one.help ? said(one.help) : "";
+      if (into) into.append(h("p", { class: "bad" }, text, help ? h("small", {}, ` ${help}`) : null));
+      else tell(text, one.severity ?? "error", help);
     }
     return undefined;
   }

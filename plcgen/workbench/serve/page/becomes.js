@@ -1,7 +1,7 @@
 // What a spec becomes: telegrams with member, address and line; what a panel connects; files; the write list; the lock.
 import { fill, h, table } from "./dom.js";
 import { ask, attempt } from "./ask.js";
-import { word } from "./words.js";
+import { said, word } from "./words.js";
 import { markdown } from "./markdown.js";
 import { panelView } from "./panel.js";
 import { lockView } from "./lock.js";
@@ -13,6 +13,7 @@ export function becomesTab(desk, written) {
   const body = h("div", { class: "body", id: "body" });
   const switcher = h("div", { class: "bar views" });
   const told = h("span", { class: "quiet" });
+  const seen = (one) => () => one === view;
   let view = "telegrams", made = null, asked = null, chosen = "", marked = 0, asking = new AbortController();
 
   async function load() {
@@ -45,8 +46,8 @@ export function becomesTab(desk, written) {
     fill(told, `${made.project}, ${made.target}`);
     if (view === "telegrams") telegrams();
     else if (view === "files") files();
-    else if (view === "panel") panelView(desk, side, body);
-    else if (view === "lock") lockView(desk, side, body, written);
+    else if (view === "panel") panelView(desk, side, body, seen(view));
+    else if (view === "lock") lockView(desk, side, body, written, seen(view));
     else workList();
   }
 
@@ -60,8 +61,8 @@ export function becomesTab(desk, written) {
     fill(side, made.telegrams.map((one) => pick(key(one), one.job, made.telegrams.filter((other) => other.job === one.job).length > 1 ? `${one.number}` : one.block, telegrams)));
     const one = made.telegrams.find((each) => key(each) === chosen);
     if (!one) return fill(body);
-    fill(body, h("p", { class: "quiet hint" }, word("hoverByte")), message(word("request"), one.request, made.excerpts), one.answers.map((each) => message(word("answer"), each, made.excerpts)),
-      h("dl", { class: "figures" }, Object.entries(one.lengths).map(([name, text]) => [h("dt", {}, name), h("dd", {}, text)])));
+    fill(body, h("p", { class: "quiet hint" }, word("hoverByte")), [one.request, ...one.answers].map((each) => message(each, made.excerpts)),
+      h("dl", { class: "figures" }, Object.entries(one.lengths).map(([name, text]) => [h("dt", {}, said(name)), h("dd", {}, said(text))])));
   }
 
   function files() {
@@ -93,12 +94,12 @@ export function becomesTab(desk, written) {
   function workList() {
     fill(side, made.instances.map((one) => h("div", { class: "row" }, h("b", {}, one.job), h("small", {}, `${one.partner}, ${one.address}`))));
     if (!made.writes.length) return fill(body, h("p", { class: "empty" }, word("nothingWritten")));
-    const rows = made.writes.map((one) => h("tr", { class: one.danger ? "danger" : "" },
-      h("td", {}, one.job), h("td", {}, one.partners.join(", ")), h("td", {}, h("b", {}, one.parameter), ` ${one.text}`),
-      h("td", {}, `${one.value} ${one.unit}`.trim(), one.input ? h("small", {}, ` ${word("input")}`) : null), h("td", {}, one.limits),
-      h("td", {}, one.trigger), h("td", {}, one.memory), h("td", {}, one.danger, one.signed ? h("div", { class: "good" }, `${word("signed")}: ${one.signed}`) : null)));
-    fill(body, h("h3", {}, word("writes")),
-      table(["jobs", "partners", "parameter", "value", "limits", "trigger", "memory", "danger"].map(word), rows, "dense"));
+    const heads = ["job", "partners", "parameter", "value", "limits", "trigger", "memory", "danger"].map((key) => word(key));
+    const rows = made.writes.map((one) => h("tr", { class: one.danger ? "danger" : "" }, [
+      one.job, one.partners.join(", "), [h("b", {}, one.parameter), ` ${one.text}`], [one.value, /^[-\d[]/.test(one.value) ? ` ${one.unit}` : null, one.input ? h("small", {}, ` ${word("input")}`) : null],
+      [one.limits, one.limits && ` ${one.unit}`], one.trigger, one.memory.split("; ").map(said).join("; "), [one.danger, one.signed ? h("div", { class: "good" }, `${word("signed")}: ${one.signed}`) : null],
+    ].map((cell, place) => h("td", { "data-head": heads[place] }, h("div", {}, cell)))));
+    fill(body, h("h3", {}, word("writes")), table(heads, rows, "dense cards"));
   }
 
   return {
@@ -118,7 +119,7 @@ export function becomesTab(desk, written) {
 }
 
 // One telegram: cells of its bytes, rows of its members, lines of the sources; what belongs together is marked together.
-function message(title, one, excerpts) {
+function message(one, excerpts) {
   const box = h("article", { class: "message" });
   const mark = (offset, on) => {
     for (const each of box.querySelectorAll(`[data-offset="${offset}"]`)) each.classList.toggle("marked", on);
@@ -138,7 +139,7 @@ function message(title, one, excerpts) {
     h("td", {}, h("b", {}, each.name)), placed ? h("td", { class: "hex place" }, each.address) : null, h("td", {}, each.value), h("td", {}, each.meaning)));
   const lines = excerpts.filter((each) => each.block === one.block).map((each) => h("div", {}, h("small", { class: "quiet" }, each.file),
     each.lines.map((line) => h("div", { ...(line.member === null ? {} : live(line.member)), class: "line" }, h("i", {}, String(line.number)), h("code", {}, line.text)))));
-  fill(box, h("h3", {}, `${title}: ${one.title}`, h("small", {}, ` ${one.block}, ${length} bytes`)),
+  fill(box, h("h3", { class: "title" }, said(one.title), h("small", {}, ` ${one.block}, ${said(`${length} bytes`)}`)),
     h("div", { class: "grid" }, cells),
     h("div", { class: "beside" }, table([word("offset"), word("bytes"), word("member"), placed ? word("address") : [], word("value"), word("meaning")].flat(), rows, "dense"),
       lines.length ? h("div", { class: "lines" }, h("h4", {}, word("sclLines")), lines) : null));

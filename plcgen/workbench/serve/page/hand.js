@@ -1,6 +1,6 @@
 // What somebody sets by hand in a run: inputs of jobs and values of partners with unit and limits; faults with the keys that count.
 import { fill, h, option, field } from "./dom.js";
-import { word } from "./words.js";
+import { named, word } from "./words.js";
 
 // A field for each value, which goes out when it is left or Enter is pressed; a refused one stays, with the reason below it.
 export function valueFields(list, values, put, titled = false) {
@@ -31,7 +31,7 @@ export function renew(within, values) {
 
 // Kinds of faults as a list to choose from; only what counts for the kind is asked.
 export function faultForm(kinds, strike) {
-  const kind = h("select", { id: "fault-kind" }, kinds.map((one) => option(one.kind, `${one.kind.replace(/_/g, " ")}: ${one.text}`)));
+  const kind = h("select", { id: "fault-kind" }, kinds.map((one) => option(one.kind, `${one.kind.replace(/_/g, " ")}: ${named("fault", one.kind, one.text)}`)));
   const text = h("small", { class: "rule" });
   const fields = h("div", { class: "fault-keys" });
   let controls = new Map();
@@ -46,9 +46,9 @@ export function faultForm(kinds, strike) {
 
   function draw() {
     const one = kinds.find((each) => each.kind === kind.value);
-    text.textContent = one?.text ?? "";
+    text.textContent = one ? named("fault", one.kind, one.text) : "";
     controls = new Map((one?.keys ?? []).map((key) => [key.key, [control(key)].flat()]));
-    fill(fields, (one?.keys ?? []).map((key) => h("label", { class: "input", title: key.text }, h("span", {}, key.key), controls.get(key.key), h("small", { class: "about" }, key.text))));
+    fill(fields, (one?.keys ?? []).map((key) => h("label", { class: "input", title: key.text }, h("span", {}, key.key), controls.get(key.key), h("small", { class: "about" }, named("key", key.key, key.text)))));
   }
   kind.addEventListener("change", draw);
   draw();

@@ -4,9 +4,10 @@ import { ask, attempt, tell } from "./ask.js";
 import { word } from "./words.js";
 import { changesView } from "./changes.js";
 
-export async function lockView(desk, side, body, written) {
+export async function lockView(desk, side, body, written, seen) {
   fill(side);
   const found = await attempt(() => ask("lock", desk.now));
+  if (!seen()) return undefined;
   if (!found) return fill(body);
   const moved = found.changes?.rows.length > 0;
   const write = async () => {
@@ -16,7 +17,7 @@ export async function lockView(desk, side, body, written) {
     if (!done) return;
     await written(asked.text, done.known);
     for (const one of done.problems) tell(`${one.code}: ${one.message}`, one.severity, one.help);
-    lockView(desk, side, body, written);
+    lockView(desk, side, body, written, seen);
   };
   fill(side, h("div", { class: "row" }, h("b", {}, found.lock)));
   fill(body, h("p", { class: "quiet hint" }, word("lockHint")),

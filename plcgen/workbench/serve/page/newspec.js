@@ -8,7 +8,7 @@ export function newSpec(desk, take) {
   const { families, specs } = desk.folder;
   const number = (name, value) => h("input", { name, value, inputmode: "numeric", size: 6, pattern: "[0-9]*" });
   const name = h("input", { name: "name", value: free(specs), required: true, pattern: ".+\\.ya?ml", size: 24 });
-  const title = h("input", { name: "title", value: "My station", required: true, size: 24 });
+  const title = h("input", { name: "title", value: word("myStation"), required: true, size: 24 });
   const { device, object, rule } = deviceFields(desk, "sinamics-s120");
   device.prepend(option("ppi", word("ppiMaster")));
   const family = h("select", { name: "family" }, families.map((one) => option(one.key, one.key, one.key === "s7-1500")));
@@ -17,7 +17,8 @@ export function newSpec(desk, take) {
   const address = number("address", "270");
   const keyField = field("", key), addressField = field("", address), objectField = field(word("driveObject"), object);
   const starts = h("fieldset", { class: "chips" }), said = h("div", {});
-  const port = number("port", "270"), portField = field(word("port"), port);
+  const port = number("port", "270"), read = h("input", { name: "read", value: "VW100", size: 8 });
+  const stationFields = [field(word("port"), port), field(word("reads"), read)];
   const reason = h("small", { class: "rule" });
   const say = (one, text) => { one.firstChild.textContent = text; };
 
@@ -26,7 +27,7 @@ export function newSpec(desk, take) {
     fill(toolchain, Object.entries(chosen.tools).map(([tool, why]) => h("option", { value: tool, disabled: why !== "", title: why }, why ? `${tool}: ${why}` : tool)));
     toolchain.value = chosen.tools[before] === "" ? before : Object.keys(chosen.tools).find((tool) => chosen.tools[tool] === "");
     for (const one of [objectField, rule]) one.hidden = ppi;
-    portField.hidden = !ppi;
+    for (const one of stationFields) one.hidden = !ppi;
     port.value = chosen.classic ? "256" : "270";
     const jobs = desk.folder.devices.find((one) => one.key === device.value)?.jobs ?? [];
     starts.hidden = jobs.length < 2;
@@ -43,7 +44,7 @@ export function newSpec(desk, take) {
   const dialog = $("#dialog");
   const create = async (event) => {
     event.preventDefault();
-    const given = Object.fromEntries([title, device, family, toolchain, key, address, object, port].map((one) => [one.name, one.value]));
+    const given = Object.fromEntries([title, device, family, toolchain, key, address, object, port, read].map((one) => [one.name, one.value]));
     if (!starts.hidden) given.jobs = [...starts.querySelectorAll(":checked")].map((one) => one.value).join(",");
     fill(said);
     const found = await attempt(() => ask("new", { name: name.value, given }), said);
@@ -53,7 +54,7 @@ export function newSpec(desk, take) {
   };
   fill(dialog, h("h2", {}, word("newTitle")), h("form", { onsubmit: create, novalidate: true },
     field(word("file"), name), field(word("station_"), title), field(word("device"), device), field(word("family"), family), field(word("toolchain"), toolchain),
-    keyField, addressField, portField, reason, objectField, rule, starts, said,
+    keyField, addressField, reason, stationFields, objectField, rule, starts, said,
     h("div", { class: "buttons" }, h("button", { class: "main", type: "submit" }, word("create")),
       h("button", { type: "button", onclick: () => dialog.close() }, word("cancel")))));
   dialog.showModal();

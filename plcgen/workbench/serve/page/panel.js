@@ -5,9 +5,9 @@ import { word } from "./words.js";
 
 const MOST = 1000;  // rows that are drawn
 
-export async function panelView(desk, side, body) {
+export async function panelView(desk, side, body, seen) {
   const found = await attempt(() => ask("tags", desk.now));
-  if (!found) return;
+  if (!found || !seen()) return;
   const tags = [...found.flags, ...found.blocks.flatMap((one) => one.tags)];
   const group = (one) => (one.symbolic.startsWith('"') ? one.symbolic.split(".").slice(0, 2).join(".") : word("flag"));
   const last = (one) => one.split(".").at(-1), mine = (one) => found.jobs.some((job) => last(job) === last(one));

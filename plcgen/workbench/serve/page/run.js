@@ -98,7 +98,7 @@ export function runTab(desk) {
         list.push({ title: one.name.replace(".BUSY", ""), group: job.key, kind: "bool", style: "warn", series: state.series.get(one.id) });
       }
       const sent = state.contacts.filter((one) => one.group === job.key).map((one) => [one.scan, true]);
-      if (sent.length) list.push({ title: word("telegrams").toLowerCase(), group: job.key, kind: "mark", style: "main", series: sent });
+      if (sent.length) list.push({ title: word("telegrams"), group: job.key, kind: "mark", style: "main", series: sent });
     }
     return list;
   }

@@ -113,5 +113,12 @@ export function toolsTab(desk, show) {
         h("div", { class: "zone", "data-drop": "old" }, h("b", {}, `${word("files")} (${word("old")})`), picked("old"), shown.old, h("div", { class: "bar" }, h("button", { id: "do-diff", onclick: compare }, word("compare")))),
         h("div", { class: "zone" }, text, h("div", { class: "bar" }, h("button", { class: "main", id: "do-explain", title: "Ctrl+Enter", onclick: explain }, word("explain")))))),
       body),
+    kept: () => [given("files"), given("old"), text.value, [...body.childNodes]],
+    again([files, old, typed, result]) {
+      for (const [set, one] of [[sets.files, files], [sets.old, old]]) for (const [name, data] of Object.entries(one)) set.set(name, data);
+      text.value = typed;
+      draw();
+      fill(body, result);
+    },
   };
 }

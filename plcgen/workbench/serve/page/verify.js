@@ -1,7 +1,7 @@
 // Verification with progress; a check that failed opens its run, at its scan.
 import { fill, h, option, field, table } from "./dom.js";
 import { ask, attempt } from "./ask.js";
-import { word } from "./words.js";
+import { named, word } from "./words.js";
 import { Lanes, telegramTable } from "./lanes.js";
 
 // The work of a tab: begun by its button, shown when it ends, kept while the page changes its language.
@@ -23,7 +23,7 @@ export function working(desk, question, label, given, show, empty) {
       if (!state || state.number !== started.number) break;
       bar.max = state.total || 1;
       bar.value = state.done;
-      fill(told, state.ended ? (state.cancelled ? word("cancelled") : "") : `${state.what} ${state.total ? `${state.done} / ${state.total}` : ""}`);
+      fill(told, state.ended ? (state.cancelled ? word("cancelled") : "") : `${named("step", state.what.split(" ")[0], state.what)} ${state.total ? `${state.done} / ${state.total}` : ""}`);
       if (state.ended) mine.found = state.result;
       if (state.ended) break;
       await new Promise((wake) => setTimeout(wake, 200));
@@ -72,7 +72,7 @@ export function verifyTab(desk, source) {
         h("ul", {}, left.map((one) => h("li", {}, h("b", {}, one.subject), ` ${one.text} `, h("span", { class: "quiet" }, one.verdict === "not asked for" ? word("notAsked") : one.verdict))))) : null,
       problems.map((one) => h("p", { class: one.severity === "error" ? "bad" : "" }, `${one.code}: ${one.message}`, h("small", {}, ` ${one.help}`))),
       found.groups.map((group) => h("details", { open: group.checks.some((one) => one.outcome === "error") || group.name === "execution" },
-        h("summary", {}, h("b", {}, group.title), h("small", {}, ` ${group.checks.length}, ${group.checks.filter((one) => one.outcome === "error").length} ${word("o_error")}`)),
+        h("summary", {}, h("b", {}, named("group", group.name, group.title)), h("small", {}, ` ${group.checks.length}, ${group.checks.filter((one) => one.outcome === "error").length} ${word("o_error")}`)),
         table([word("subject"), word("check"), word("result")], group.checks.map((one) => row(one, asked)), "dense"))),
       h("details", {}, h("summary", {}, word("ledger")), table([word("subject"), word("meaning"), word("source"), ""], found.ledger.map((one) => h("tr", {},
         h("td", {}, one.subject), h("td", {}, one.text), h("td", {}, one.source), h("td", {}, one.grade))), "dense")));
@@ -134,7 +134,7 @@ function replayed(found) {
     return [...[["execute", 1, "main"], ["busy", 2, "note"], ["done", 3, "good"], ["error", 4, "bad"]].map(([title, place, style]) => ({ title, group, kind: "bool", style, series: series(place) })),
       { title: "status", group, kind: "state", series: series(5) }];
   });
-  list.push({ title: word("telegrams").toLowerCase(), group: "", kind: "mark", style: "main", series: contacts.map((one) => [one.scan, true]) });
+  list.push({ title: word("telegrams"), group: "", kind: "mark", style: "main", series: contacts.map((one) => [one.scan, true]) });
   const room = h("div", { class: "replay" },
     h("p", {}, h("b", {}, found.scenario), " ", found.failure ? h("span", { class: "bad" }, `${word("scan")} ${found.failure.scan}: `, differing(found.failure.text), ` (${found.failure.file}:${found.failure.line})`) : word("notAgain")),
     lanes.box, h("div", { class: "wire" }, contacts.slice(-40).map((one) => h("button", { class: `row ${one.failing ? "failing" : ""}`, onclick: () => { lanes.go(one.scan); decode(one); } },

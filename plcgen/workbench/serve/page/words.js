@@ -1,5 +1,5 @@
 // Labels of the page, a table for each language. Messages, titles and facts come from the server and are English.
-import de from "./words.de.js";
+import de, { SAID } from "./words.de.js";
 import en from "./words.en.js";
 
 const TABLES = { en, de };
@@ -19,6 +19,13 @@ export function word(key) {
 // A word of the server with a label of the page, if it has one.
 export function named(group, key, otherwise = key.replace(/_/g, " ")) {
   return TABLES[language][`${group}_${key}`] ?? otherwise;
+}
+
+// A fixed text of the server, in German if that is known; numbers and what stands in quotation marks stay.
+export function said(text) {
+  const parts = [];
+  const found = language === "de" && SAID[text.replace(/"[^"]*"|\d+/g, (part) => `#${parts.push(part) && ""}`)];
+  return found ? found.replace(/#/g, () => parts.shift()) : text;
 }
 
 export function speak(next) {

@@ -159,6 +159,11 @@ def _end(node: YamlNode) -> int:
     return max(first, end - 1) if node.span.end_column <= 1 else max(first, end)
 
 
+def in_flow(reference: str) -> str:
+    """A reference as it may stand in brackets."""
+    return f'"{reference}"' if "[" in reference else reference
+
+
 def add_parameter(entries: Entries, job: Sequence[str], reference: str, *, writes: bool) -> str:
     """The text with a parameter read or written by a job, by whatever of the two it does already."""
     node = entries.at(*job)
@@ -168,16 +173,16 @@ def add_parameter(entries: Entries, job: Sequence[str], reference: str, *, write
     there = node.get(key)
     number = reference.lstrip("PpRr")
     if there is not None and any(number == old.lstrip("PpRr") for old in _named(there)):
-        raise refused(entries.name, f'the job "{job[-1]}" has {reference} already')
+        raise refused(entries.name, f'the job "{job[-1]}" has "{reference}" already')
     if there is None:
         other = next((one for one in ("read", "write", "compare") if node.get(one) is not None), "")
         if other:
-            does = f'the job "{job[-1]}" has {other}: a job does one of them'
-            raise refused(entries.name, does, f"add a job for {key}, or choose one of the list that has it")
-        return entries.add(job, key, f"{{{reference}: }}" if writes else f"[{reference}]")
+            does = f'the job "{job[-1]}" has "{other}": a job does one of them'
+            raise refused(entries.name, does, f'add a job for "{key}", or choose one of the list that has it')
+        return entries.add(job, key, f"{{{in_flow(reference)}: }}" if writes else f"[{in_flow(reference)}]")
     if there.kind == "map":
-        return entries.add([*job, key], reference, "")
-    return entries.append([*job, key], reference)
+        return entries.add([*job, key], in_flow(reference), "")
+    return entries.append([*job, key], in_flow(reference))
 
 
 def _named(node: YamlNode) -> list[str]:

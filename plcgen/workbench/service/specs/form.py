@@ -5,8 +5,9 @@ Comments, order and style of everything else stay, and an editor takes one step 
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import count
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -14,7 +15,7 @@ from plcgen.base.diagnostics import Report, Span
 from plcgen.ds47.devices import Catalogue, device_names, find_device
 from plcgen.ds47.references import parse_reference
 from plcgen.workbench.service.specs.drives import drives_at, known_drive
-from plcgen.workbench.service.specs.entries import Entries, add_parameter, refused
+from plcgen.workbench.service.specs.entries import Entries, add_parameter, in_flow, refused
 from plcgen.workbench.service.specs.jobs import RECIPE, RECIPE_BODY, job_offers
 from plcgen.workbench.service.specs.layout import difference
 from plcgen.workbench.starter import STAND_INS, ppi_module, sampled, samples
@@ -27,6 +28,7 @@ Given = Mapping[str, str]
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,23}\Z")
 _ADDRESS = re.compile(r"[0-9]{1,5}\Z|16#[0-9A-Fa-f]{1,4}\Z")
 _TIME = re.compile(r"[0-9]+(?:ms|s|min|h)\Z")
+_UNIT = re.compile(r"[\w%°/*.^() -]{1,20}\Z")
 _WORD = re.compile(r"[\w.%\[\]-]{1,60}\Z")
 """What goes into a line of YAML as it was typed."""
 
@@ -36,19 +38,21 @@ def put_in(state: SpecState, what: str, given: Given) -> tuple[Edit, ...]:
 
     ``what`` and what is ``given`` for it, all as text:
 
-    ``drive``: key, device, address, drive_object. ``job``: key, kind, and drive, or station as ``line/station``; cycle
-    or trigger; parameter and type where the kind asks for one; recipe where it names one. ``parameter``: job as the
-    keys to it with ``/`` between (``jobs/ramps``, ``recipes/material``), parameter, access (read, write), type.
-    ``cycle``: job, cycle. ``recipe``: key, drive, parameter. ``station``: line, key, address, cpu, and port of a line
-    that begins with it. ``remove``: path, as the keys to it with ``/`` between.
+    ``drive``: key, device, address, drive_object. ``job``: key, kind, and drive (several with ``,`` between), or
+    station as ``line/station``; cycle or trigger; parameter, or address of a station, in place of the one that is
+    offered, with its type and unit where it is not known; recipe where the kind names one. ``parameter``: job as the
+    keys to it with ``/`` between (``jobs/ramps``, ``recipes/material``, ``ppi/line/jobs/level``), parameter, access
+    (read, write), type, unit, and for a recipe the value that its records begin with. ``cycle``: job, cycle.
+    ``recipe``: key, drive, parameter. ``station``: line, key, address, cpu, and of a line that begins with it port and
+    parameter, which is the address that a job reads. ``remove``: path, as the keys to it with ``/`` between.
 
     Raises:
         DiagnosticError: why that cannot be done.
     """
-    for key in ("parameter", "type", "trigger", "recipe", "line", "cpu"):
+    for key in ("parameter", "type", "trigger", "recipe", "line", "cpu", "unit", "value"):
         word = given.get(key, "").strip()
-        if word and not _WORD.match(word):
-            raise refused(state.document.file, f'"{word}" cannot be put in as {key}', "write it into the text")
+        if word and not (_UNIT if key == "unit" else _WORD).match(word):
+            raise refused(state.document.file, f'"{word}" cannot be put in as "{key}"', "write it into the text")
     entries = Entries(state.document.text, state.document.file)
     return difference(state.document, _PUTS[what](state, entries, given))
 
@@ -102,25 +106,26 @@ def _job(state: SpecState, entries: Entries, given: Given) -> str:
     if offer.lacks:
         raise refused(file, offer.lacks, offer.help)
     line, slash, station = partner.partition("/")
+    keys = partner.split(",")
     body, cycle, trigger = offer.text, _cycle(state, given), given.get("trigger", "").strip()
+    other = given.get("parameter", "").strip()
     if f": {RECIPE}" in body:
         name = given.get("recipe", "").strip() or next((name for _, name in state.names("recipes")), RECIPE)
         body = body.replace(RECIPE, name)
         if name not in {known for _, known in state.names("recipes")}:
-            entries = entries.then(_recipe(state, entries, {**given, "key": name, "drive": partner}))
-    elif offer.asks:
-        body, entries = _asked(state, entries, body, given)
+            entries = entries.then(_recipe(state, entries, {**given, "key": name, "drive": keys[0]}))
+    elif offer.asks or (other and not slash and other != offer.parameter):
+        number = f"P{_number(state, given)}"
+        entries = _defined(state, entries, keys, given)
+        body = sampled(body, dict.fromkeys(STAND_INS, number))
+        body = re.sub(rf"\b{offer.parameter}\b", in_flow(other), body) if offer.parameter else body
+    elif other and offer.parameter:
+        body = body.replace(offer.parameter, other)
     body += f", cycle: {cycle}" if cycle else f", trigger: {trigger}" if trigger else ""
     if slash:
         return entries.add(["ppi", line, "jobs"], key, f"{{station: {station}, {body}}}")
-    return entries.add(["jobs"], key, f"{{drive: {partner}, {body}}}")
-
-
-def _asked(state: SpecState, entries: Entries, body: str, given: Given) -> tuple[str, Entries]:
-    """The parameter of a job that was typed, in the place of the letter that stands for it."""
-    number = _number(state, given)
-    entries = _defined(state, entries, given.get("drive", ""), number, given.get("type", ""))
-    return sampled(body, dict.fromkeys(STAND_INS, f"P{number}")), entries
+    drives = partner if len(keys) == 1 else f"[{', '.join(keys)}]"
+    return entries.add(["jobs"], key, f"{{drive: {drives}, {body}}}")
 
 
 def _number(state: SpecState, given: Given) -> int:
@@ -132,35 +137,45 @@ def _number(state: SpecState, given: Given) -> int:
     return found.pnu
 
 
-def _defined(state: SpecState, entries: Entries, drive: str, number: int, type_: str) -> Entries:
-    """With the type of a parameter in its drive, if that is given and not known."""
-    known = known_drive(state, drive)
-    found = None if known is None else known.find(f"P{number}")
-    if not type_ or (found is not None and found.type):
-        return entries
-    units = (tuple(map(str, path)) for path, key in state.names("units", "*", "drives") if key == drive)
-    home = next(units, ("drives", drive))
-    if entries.at(*home) is None:
-        help_ = f"define P{number} there, with its type"
-        raise refused(state.document.file, f'"{drive}" stands in another file', help_)
-    return entries.then(entries.add([*home, "parameters"], f"P{number}", f"{{type: {type_}}}"))
+def _defined(state: SpecState, entries: Entries, drives: Iterable[str], given: Given) -> Entries:
+    """With the type of the parameter, and its unit, in each drive where that is given and not known."""
+    number, type_, unit = _number(state, given), given.get("type", ""), given.get("unit", "").strip()
+    body = f"{{type: {type_}, unit: {json.dumps(unit, ensure_ascii=False)}}}" if unit else f"{{type: {type_}}}"
+    for drive in drives if type_ else ():
+        known = known_drive(state, drive)
+        found = None if known is None else known.find(f"P{number}")
+        if found is not None and found.type:
+            continue
+        units = (tuple(map(str, path)) for path, key in state.names("units", "*", "drives") if key == drive)
+        home = next(units, ("drives", drive))
+        if entries.at(*home) is None:
+            help_ = f"define P{number} there, with its type"
+            raise refused(state.document.file, f'"{drive}" stands in another file', help_)
+        entries = entries.then(entries.add([*home, "parameters"], f"P{number}", body))
+    return entries
 
 
 def define(state: SpecState, drive: str, number: int, type_: str) -> tuple[Edit, ...]:
     """Edits that define a parameter in its drive. Raises DiagnosticError if the drive stands in another file."""
     entries = Entries(state.document.text, state.document.file)
-    return difference(state.document, _defined(state, entries, drive, number, type_).text)
+    given = {"parameter": f"P{number}", "type": type_}
+    return difference(state.document, _defined(state, entries, [drive], given).text)
 
 
 def _parameter(state: SpecState, entries: Entries, given: Given) -> str:
     """A parameter read or written by a job, or one of a recipe."""
-    path, text = given.get("job", "").split("/"), given.get("parameter", "")
+    path, text = given.get("job", "").split("/"), given.get("parameter", "").strip()
     if given.get("type"):
-        drive = given.get("drive") or next((one.key for one in drives_at(state, tuple(path))), "")
-        entries = _defined(state, entries, drive, _number(state, given), given["type"])
-    if path[0] == "recipes":
-        return entries.append([*path, "parameters"], text)
-    return add_parameter(entries, path, text, writes=given.get("access") == "write")
+        entries = _defined(state, entries, [one.key for one in drives_at(state, tuple(path))], given)
+    if path[0] != "recipes":
+        return add_parameter(entries, path, text, writes=given.get("access") == "write")
+    entries, value = entries.then(entries.append([*path, "parameters"], in_flow(text))), given.get("value", "").strip()
+    records = entries.at(*path, "records")
+    for record in records.pairs if records is not None else ():
+        if not value:
+            raise refused(state.document.file, "every record needs a value", "type it above the search")
+        entries = entries.then(entries.add([*path, "records", record], in_flow(text), value))
+    return entries.text
 
 
 def _cycle(state: SpecState, given: Given) -> str:
@@ -176,13 +191,12 @@ def _repeated(state: SpecState, entries: Entries, given: Given) -> str:
 
 
 def _recipe(state: SpecState, entries: Entries, given: Given) -> str:
-    """A recipe with one parameter and two records to begin with."""
+    """A recipe with one parameter and two records, whose values nobody has said yet."""
     known = known_drive(state, given.get("drive", ""))
     found = {} if known is None or given.get("parameter") else samples(known.device)
     if "P" not in found:
-        number = _number(state, given)
-        found = {"P": f"P{number}"}
-        entries = _defined(state, entries, given.get("drive", ""), number, given.get("type", ""))
+        found = {"P": f"P{_number(state, given)}"}
+        entries = _defined(state, entries, [given.get("drive", "")], given)
     return entries.add(["recipes"], _key(state, given), sampled(RECIPE_BODY, found))
 
 
@@ -197,7 +211,8 @@ def _station(state: SpecState, entries: Entries, given: Given) -> str:
     module = ppi_module(_family(state))
     if given.get("port", "").strip():
         module = f"{module.rpartition(':')[0]}: {_address(state, {'address': given['port']}, '')}"
-    job = f"jobs: {{read_{key}: {{station: {key}, read: [VW100]}}}}"
+    first = given.get("parameter", "").strip() or "VW100"
+    job = f"jobs: {{read_{key}: {{station: {key}, read: [{first}]}}}}"
     return entries.add(["ppi"], line, f"{{{module}, stations: {{{key}: {body}}}, {job}}}")
 
 
@@ -206,7 +221,7 @@ def _removed(state: SpecState, entries: Entries, given: Given) -> str:
     path = given.get("path", "").split("/")
     uses = _uses(state, path) if path[-2:-1] in (["drives"], ["stations"]) else []
     if uses:
-        raise refused(state.document.file, f'"{path[-1]}" is used by {", ".join(uses)}', "remove these jobs first")
+        raise refused(state.document.file, f'"{path[-1]}" is used by "{", ".join(uses)}"', "remove these jobs first")
     parent = entries.at(*path[:-1])
     if path[-2:-1] in (["read"], ["write"], ["compare"]) and parent is not None and len(parent.children) == 1:
         raise refused(state.document.file, "the job has no other parameter", "remove the job, or add another one first")

@@ -7,8 +7,9 @@ table of abilities can disagree with the rules.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,7 +26,8 @@ if TYPE_CHECKING:
     from plcgen.workbench.service.specs.state import SpecState
 
 RECIPE = "material"
-RECIPE_BODY = "{parameters: [P], records: {copper: {P: 5.0}, steel: {P: 10.0}}}"
+RECIPE_BODY = "{parameters: [P], records: 2}"
+"""Its values are for the program or a panel to set: nobody has said any."""
 _MORE = {
     "read": ("read: [R]", "values of the drive"),
     "write": ("write: {P: }", "inputs of the block, or constants"),
@@ -37,6 +39,7 @@ _STATION = {
     "run": ("run: true", "sets the CPU to RUN"),
     "stop": ("stop: true", "sets the CPU to STOP"),
 }
+_PARAMETER = re.compile(r"\b(?:[RPW]|VW[0-9]+)\b")
 _TYPES = {"R": "FloatingPoint", "P": "FloatingPoint", "W": "Unsigned16"}
 
 
@@ -46,7 +49,8 @@ class JobOffer:
 
     ``lacks`` says why this partner cannot have it, ``help`` what may be done about it, ``code`` which rule it is; empty
     if it can. ``cycle``: whether it may run in a cycle. ``asks``: the device is known to have no parameter that
-    fits; its number is to be given, for R, P or W in the text or for the recipe that is made.
+    fits; its number is to be given, for R, P or W in the text or for the recipe that is made. ``parameter``: the one in
+    the text, or the address of a station, which may be another one; None if the kind has none.
     """
 
     kind: str
@@ -57,10 +61,18 @@ class JobOffer:
     code: str = ""
     cycle: bool = False
     asks: bool = False
+    parameter: str | None = None
 
 
 def job_offers(state: SpecState, partner: str) -> tuple[JobOffer, ...]:
-    """The kinds of jobs of a drive, or of a station given as ``line/station``; none while the text is broken."""
+    """The kinds of jobs of a drive, of several (``a,b``) or of a station given as ``line/station``.
+
+    None while the text is broken.
+    """
+    if "," in partner:
+        keys = partner.split(",")
+        each = [job_offers(state, key) for key in keys]
+        return tuple(_of_all(keys, same) for same in zip(*each, strict=True)) if all(each) else ()
     data: Any = None if state.composed is None else state.composed.root.data()
     if not isinstance(data, dict):
         return ()
@@ -73,6 +85,13 @@ def job_offers(state: SpecState, partner: str) -> tuple[JobOffer, ...]:
         return ()
     cut = {"plc": data.get("plc"), **_alone(data, partner)}
     return _tried(json.dumps(cut), state.document.path, (partner,), _Same(known.device))
+
+
+def _of_all(keys: Sequence[str], same: Sequence[JobOffer]) -> JobOffer:
+    """A kind for several drives: what one of them lacks, a job with all of them cannot have."""
+    lacking = [replace(one, lacks=f"{key}: {one.lacks}") for key, one in zip(keys, same, strict=True) if one.lacks]
+    whole = replace(same[0], cycle=all(one.cycle for one in same), asks=any(one.asks for one in same))
+    return lacking[0] if lacking else whole
 
 
 def _alone(data: Mapping[str, Any], key: str) -> dict[str, Any]:
@@ -121,11 +140,15 @@ class _Trial:
             keys = sampled(text, self.known)
             shown = f"{keys} {sampled(RECIPE_BODY, self.known)}" if f": {RECIPE}" in keys else keys
             asks = sampled(shown, STAND_INS) != shown
+            letter = _PARAMETER.search(RECIPE_BODY if f": {RECIPE}" in keys else text)
+            parameter = letter and (letter[0] if len(letter[0]) > 1 else self.known.get(letter[0], ""))
             wrong = self.wrong(text)
             if wrong is None:
                 cycle = form.repeats and self.wrong(f"{text}, cycle: 1s") is None
-                return JobOffer(form.kind, form.title, keys, cycle=cycle, asks=asks)
-            found = found or JobOffer(form.kind, form.title, keys, wrong.message, wrong.help, wrong.code, asks=asks)
+                return JobOffer(form.kind, form.title, keys, cycle=cycle, asks=asks, parameter=parameter)
+            found = found or JobOffer(
+                form.kind, form.title, keys, wrong.message, wrong.help, wrong.code, asks=asks, parameter=parameter
+            )
         assert found is not None  # noqa: S101 - every form has a text
         return found
 

@@ -11,7 +11,10 @@ from typing import TYPE_CHECKING
 from plcgen.ds47 import lists, messages
 from plcgen.ds47.lookup import message_lines
 from plcgen.ds47.references import parse_reference, split_bit
+from plcgen.ppi.wire.address import PpiAddressError, address_text, parse_item
 from plcgen.workbench.service.specs.drives import KnownDrive, drives_at, in_full, in_short, known_drive, spelled
+from plcgen.workbench.service.specs.state import matches
+from plcgen.workbench.service.specs.stations import symbols_at
 
 if TYPE_CHECKING:
     from plcgen.ds47.device import Parameter
@@ -78,8 +81,10 @@ class Search:
 def search(state: SpecState, place: Sequence[str], words: str) -> Search:
     """Parameters and messages by number, name or words of their titles: of the drives of a job or recipe, or of all.
 
-    ``place`` are the keys to the job or recipe; empty for all drives.
+    ``place`` are the keys to the job or recipe; empty for all drives. Of a job of a station: addresses, symbols.
     """
+    if matches(place, ("ppi", "*", "jobs", "*")):
+        return Search(tuple(_items(state, tuple(place), words.strip())), (), (), more=False)
     words = " ".join(GERMAN.get(word.casefold(), word) for word in words.split())
     keys = [key for pattern in (("drives",), ("units", "*", "drives")) for _, key in state.names(*pattern)]
     known = drives_at(state, tuple(place)) if place else [one for key in keys if (one := known_drive(state, key))]
@@ -100,6 +105,21 @@ def search(state: SpecState, place: Sequence[str], words: str) -> Search:
             nothing.setdefault(drive.device.key, _nothing(drive, words))
     more = len(parameters) > MOST or len(told) > MOST
     return Search(tuple(parameters.values())[:MOST], tuple(told.values())[:MOST], tuple(nothing.values()), more)
+
+
+def _items(state: SpecState, place: tuple[str, ...], words: str) -> Iterator[FoundParameter]:
+    """The address that was typed, then symbols of the station with the words in their names or comments."""
+    line, station = place[1], state.sketch.value(*place, "station")
+    try:
+        item = address_text(parse_item(words))
+    except PpiAddressError:
+        item = ""
+    if item:
+        yield FoundParameter(item, f"{line} / {station}", station, writable=True, danger="", facts=[])
+    for one in symbols_at(state, (*place, "read")) if words else ():
+        if words.casefold() in f"{one.name} {one.address} {one.comment}".casefold():
+            text = f"{one.address} {one.comment}".strip()
+            yield FoundParameter(one.name, text, station, writable=True, danger="", facts=[])
 
 
 def _parameters(drive: KnownDrive, words: str) -> Iterator[Parameter]:
