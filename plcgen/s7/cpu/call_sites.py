@@ -264,8 +264,8 @@ class LocalNames:
         if found.block.kind is not BlockKind.DB:
             return "", None
         type_ = self.link.instance_type(found)
-        if not steps:
-            return type_, DataPath(key)
+        if not steps:  # what is called is a function block, even if nothing else is known of it
+            return type_ or (found.block.instance_of or "").upper(), DataPath(key)
         members = found.block if not found.block.instance_of else self.link.types.get(found.block.instance_of.upper())
         return (self._type(StructType(members.members), steps), DataPath(key, steps)) if members else ("", None)
 

@@ -13,6 +13,7 @@ from plcgen.base.diagnostics import Diagnostic, Note, Severity, Span
 from plcgen.s7.cpu.call_sites import CallSite, CallSites, DataPath, Reached, absolute_path
 from plcgen.s7.cpu.error_obs import missing_obs
 from plcgen.s7.cpu.linkage import Linkage, ProgramBlock
+from plcgen.s7.scl import ast
 from plcgen.s7.types.blocks import BlockKind, SectionKind
 from plcgen.s7.types.data_types import NamedType
 
@@ -21,6 +22,8 @@ _UNIT, _PLACE, _SLOT = "UNIT", "PLACE", "SLOT"
 _DRIVE_INPUTS = frozenset({"HARDWAREID", "DRIVEADDRESS"})
 _PARAMETER_RECORDS = frozenset({47, 0xB02E, 0xB02F})
 """Data records of the parameter channel (PROFIdrive profile, parameter access points)."""
+_SINA = {"SINA_PARA": "HARDWAREID", "SINA_PARA_S": "HARDWAREID"}
+"""Blocks of Siemens' DriveLib for parameters, with the input that names the drive."""
 _START_UP = frozenset({100, 101, 102})
 """OBs that have ended before another one begins."""
 
@@ -203,7 +206,7 @@ class _Sharing:
     # --- another record call on the drive of a job ------------------------------------------------------
 
     def foreign_calls(self) -> Iterator[Diagnostic]:
-        """PG842 for a WRREC or RDREC outside of a channel, on the parameter record of a drive that a job has."""
+        """PG842 for a record call outside of a channel, or a block around one, on the drive of a job."""
         drives: dict[int | str, CallSite] = {}
         for site in self.sites:
             if site.called in self.jobs:
@@ -211,20 +214,48 @@ class _Sharing:
                     drive = self._constant(site, parameter)
                     if drive is not None:
                         drives.setdefault(drive, site)
+        hand_on = self._hand_on()
         for site in self.sites:
-            if site.called not in self.records or site.caller.name.upper() in self.channels:
+            if site.called not in hand_on or site.caller.name.upper() in self.channels:
                 continue
-            drive, index = self._constant(site, "ID"), self._constant(site, "INDEX")
+            parameter = hand_on[site.called]
+            drive = self._constant(site, parameter)
             job = drives.get(drive) if drive is not None else None
-            if job is None or (isinstance(index, int) and index not in _PARAMETER_RECORDS):
+            if job is None or self._of_other_records(site):
                 continue
-            drive_text = site.text("ID")
-            message = (
-                f"{site.called} talks to {drive_text}, the drive of the job {job.called_as}, bypassing its channel"
-            )
+            own = self.link.blocks.get(site.called)
+            who, where = site.called if own is None else own.name, site.text(parameter)
+            message = f"{who} talks to {where}, the drive of the job {job.called_as}, bypassing its channel"
             help_ = "read and write it with a job; an answer goes to whoever fetches it first"
             notes = (Note("the job", job.span),)
             yield Diagnostic("PG842", message, site.span, Severity.WARNING, help=help_, notes=notes)
+
+    def _hand_on(self) -> dict[str, str]:
+        """Blocks that talk to the device an input of theirs names: record blocks, what hands it on, SINA_PARA."""
+        found = dict.fromkeys(self.records, "ID") | {
+            sina: by for sina, by in _SINA.items() if sina not in self.link.blocks
+        }
+        sites: dict[str, list[CallSite]] = {}
+        for site in self.sites:
+            sites.setdefault(site.called, []).append(site)
+        pending = list(found)
+        while pending:
+            called = pending.pop()
+            for site in sites.get(called, ()):
+                name, argument = site.caller.name.upper(), site.argument(found[called])
+                if argument is None or name in found or name in self.channels or self._of_other_records(site):
+                    continue
+                given = argument.value
+                inputs = {member.name.upper() for member in site.caller.block.section(SectionKind.INPUT)}
+                if isinstance(given, ast.Name) and given.name.upper() in inputs:
+                    found[name] = given.name.upper()
+                    pending.append(name)
+        return found
+
+    def _of_other_records(self, site: CallSite) -> bool:
+        """Whether a record block is called for a record that is no parameter channel."""
+        index = self._constant(site, "INDEX") if site.called in self.records else None
+        return isinstance(index, int) and index not in _PARAMETER_RECORDS
 
     def _constant(self, site: CallSite, parameter: str) -> int | str | None:
         argument = site.argument(parameter)
