@@ -314,8 +314,13 @@ def test_labels_and_colours_change(browser: Page) -> None:
     before = text(browser)
     browser.click("#language")
     browser.sees("#tab-verify", "Prüfen")
+    browser.click("#tab-run")
+    browser.click("#load")
+    browser.sees("#run-jobs", "set_ramps")
     browser.click("#theme")
     assert browser.evaluate("document.documentElement.dataset.theme") == "dark"
+    drawn = "[...document.querySelector('.lanes canvas').getContext('2d').getImageData(400, 4, 1, 1).data].slice(0, 3)"
+    browser.wait(f"({drawn}).join() === '31,36,40'", "--paper of the dark page: 1f2428")
     browser.click("#language")
     browser.sees("#tab-verify", "Verify")
     assert text(browser) == before

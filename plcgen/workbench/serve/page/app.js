@@ -126,6 +126,7 @@ function rename(old = "") {
 
 function theme(next) {
   document.documentElement.dataset.theme = next;
+  for (const one of document.querySelectorAll(".lanes")) one.dispatchEvent(new Event("scroll"));  // drawn in its colours
   try { localStorage.setItem("plcgen.theme", next); } catch { /* forgotten */ }
 }
 
