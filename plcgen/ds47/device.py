@@ -72,7 +72,7 @@ class Parameter:
     values by their names; ``scaling`` is the reference of the value in process data, p2000 for example;
     ``objects`` are the types of the drive objects that have it, empty if nobody knows. ``scale`` is what one count of a
     whole number is worth in the unit of its manual, 0 of one that has none: limits and values are in counts then, and
-    ``unit`` says what a count is, ``0.01 s``.
+    ``unit`` says what a count is, ``0.01 s``. ``sink``: its list has the letter c, an interconnection or a fixed value.
     """
 
     pnu: int
@@ -99,6 +99,17 @@ class Parameter:
     scaling: str = ""
     objects: frozenset[str] = frozenset()
     scale: float = 0.0
+    sink: bool = False
+
+    @property
+    def letter(self) -> str:
+        """``r``, ``P``, or ``c`` of a sink of firmware 6."""
+        return "r" if self.access == "r" else "c" if self.sink else "P"
+
+    @property
+    def label(self) -> str:
+        """``P1120``, ``r21`` or ``c840``."""
+        return f"{self.letter}{self.pnu}"
 
     def read(self, fact: Fact) -> bool:
         """Whether a fact was read in its source."""
@@ -200,7 +211,8 @@ def _listed(known: Iterable[DeviceList], pnu: int, object_type: str) -> Paramete
         "type": UNKNOWN, "title": facts_["title"], **agreed, "objects": [one.type for one, _ in said if one.type],
         "grade": "read" if sure else "inferred", "source": "; ".join(sources),
     }  # fmt: skip
-    return parameter_from(pnu, entry, read_only=any(row.texts["letter"] == "r" for _, row in said))
+    letters = {row.texts["letter"] for _, row in said}
+    return parameter_from(pnu, entry, "r" if "r" in letters else "".join(letters))
 
 
 def _completed(own: Parameter, said: Parameter) -> Parameter:
@@ -320,7 +332,7 @@ class Device:
         """A parameter that the catalogue of this device has; P1120 if it has none."""
         number = 1120 if 1120 in self.parameters else next(iter(self.parameters), 1120)
         known = self.parameters.get(number)
-        return f"{'r' if known is not None and known.access == 'r' else 'P'}{number}"
+        return known.label if known is not None else f"P{number}"
 
     def object_type(self, number: int) -> str:
         """Type of a drive object of which only the number is known; empty if the device has no types."""
@@ -439,8 +451,8 @@ class ParameterDef(StrictModel):
     )
 
 
-def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Parameter:
-    """Build a parameter from its catalogue or spec entry (already validated)."""
+def parameter_from(pnu: int, entry: Mapping[str, Any], letter: str) -> Parameter:
+    """Build a parameter from its catalogue or spec entry, already validated, and its letter: r, p or c."""
     every: tuple[Fact, ...] = get_args(Fact)
     general: Grade = entry.get("grade") or "read"
     own: Mapping[Fact, Grade] = entry.get("facts", {})
@@ -462,7 +474,7 @@ def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Pa
         name=entry.get("name") or "",
         title=entry.get("title") or "",
         unit=unit,
-        access=entry.get("access") or ("r" if read_only else "rw"),
+        access=entry.get("access") or ("r" if letter in {"r", "R"} else "rw"),
         array=array if isinstance(array, int) and "array" not in doubted else None,
         indexes=array if isinstance(array, str) else UNKNOWN if grades["array"] != "read" else "",
         minimum=None if "min" in doubted else stated.get("min"),
@@ -481,6 +493,7 @@ def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Pa
         scaling=stated.get("scaling", ""),
         objects=single_types(stated.get("objects", ())),
         scale=scale,
+        sink=letter in {"c", "C"},
     )
 
 

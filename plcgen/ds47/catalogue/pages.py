@@ -19,11 +19,6 @@ def counts(parameters: Iterable[Parameter]) -> Counter[Grade]:
     return Counter(grade for one in known for fact, (_, grade) in one.items() if fact != "access")
 
 
-def label(parameter: Parameter) -> str:
-    """``P1120``, or ``r21`` for a parameter that can only be read."""
-    return f"{'r' if parameter.access == 'r' else 'P'}{parameter.pnu}"
-
-
 def parameter_page(device: Device, parameter: Parameter) -> Page:
     """One parameter of a device."""
     known = facts(parameter)
@@ -48,14 +43,14 @@ def parameter_page(device: Device, parameter: Parameter) -> Page:
             sections.append((heading, text))
     sections.append(("Source", parameter.source))
     name = f"{parameter.name}: " if parameter.name else ""
-    return Page(f"{label(parameter)} of {device.key}", f"{name}{parameter.title}", tuple(sections))
+    return Page(f"{parameter.label} of {device.key}", f"{name}{parameter.title}", tuple(sections))
 
 
 def data(device: Device, parameter: Parameter) -> Mapping[str, Any]:
     """The same for programs."""
     return {
         "device": device.key,
-        "parameter": label(parameter),
+        "parameter": parameter.label,
         "name": parameter.name,
         "facts": {fact: {"value": value, "grade": grade} for fact, (value, grade) in facts(parameter).items()},
         "observed": parameter.observed,

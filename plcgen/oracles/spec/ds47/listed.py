@@ -35,7 +35,8 @@ class StatedLists:
         first = said[0]
         agreed = {key: value for key, value in first.items() if all(one.get(key) == value for one in said)}
         agreed["title"] = first["title"]
-        agreed["letter"] = "r" if any(one["letter"] == "r" for one in said) else "P"
+        letters = {one["letter"] for one in said}
+        agreed["letter"] = "r" if "r" in letters else "c" if letters == {"c"} else "P"
         if all(found) and not self._lent and all(_own(one) for one in self._asked):
             return agreed
         doubted = {*_ONLY_READ, *(["letter"] if defined else [])}

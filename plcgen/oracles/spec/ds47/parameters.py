@@ -40,7 +40,7 @@ class WrittenParameter:
     @property
     def name(self) -> str:
         """In snake_case, for members and inputs."""
-        return str(self.facts.get("name") or f"p{self.number}")
+        return str(self.facts.get("name") or f"{'r' if self.facts.get('letter') == 'r' else 'p'}{self.number}")
 
     @property
     def type(self) -> str:
@@ -154,10 +154,11 @@ def _number(key: str) -> int:
 
 def _letter(key: str, facts: Facts, known: Facts) -> str:
     """``r`` of a parameter that can only be read: by its key, by what is said of its access, or in every device."""
+    free = "c" if key[:1] in "cC" or known.get("letter") == "c" else "P"
     if facts.get("access"):
-        return "r" if facts["access"] == "r" else "P"
+        return "r" if facts["access"] == "r" else free
     read_only = key[:1] in "rR" or _number(key) in DISPLAYS or known.get("letter") == "r"
-    return "r" if read_only else "P"
+    return "r" if read_only else free
 
 
 def _chain(device: str, profiles: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, Mapping[str, Any]]]:
