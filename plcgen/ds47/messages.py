@@ -41,6 +41,10 @@ FAMILIES: Mapping[Family, str] = {
 _NAME = re.compile(r"(?:([FANC])0*([1-9][0-9]{3,4})(?:\([FANC,]*\))?|([0-9]{5}))\Z", re.IGNORECASE)
 
 
+CODES = {945: "F", 947: "F", 2131: "F", 2122: "A", 2132: "A"}
+"""Parameters whose values are numbers of messages, faults or alarms."""
+
+
 @dataclass(frozen=True, slots=True)
 class Message:
     """What a number means in some families. ``also``: kinds that it can be set to; empty texts are not stated."""
