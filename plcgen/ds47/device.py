@@ -212,6 +212,8 @@ def _listed(known: Iterable[DeviceList], pnu: int, object_type: str) -> Paramete
         "grade": "read" if sure else "inferred", "source": "; ".join(sources),
     }  # fmt: skip
     letters = {row.texts["letter"] for _, row in said}
+    differ = {"title": "title" not in agreed, "access": len(letters) > 1}
+    entry["facts"] = {fact: "inferred" for fact, does in differ.items() if does}
     return parameter_from(pnu, entry, "r" if "r" in letters else "".join(letters))
 
 
@@ -298,7 +300,13 @@ class Device:
             return None
         usual = _listed(self.lists, pnu, types.others) if types is not None and not object_type else None
         said = usual or _listed(self.lists, pnu, object_type)
-        return said if own is None else _completed(own, said) if said is not None else own
+        if own is None or said is None:
+            return said if own is None else own
+        usual_types = single_types([types.others]) if types is not None else frozenset()
+        of_another = bool(object_type and usual_types) and not single_types([object_type]) & usual_types
+        if of_another and said.read("type"):  # a row speaks for the usual drive object; this one has its own list
+            return replace(said, name=own.name, dangerous=own.dangerous, harmless=own.harmless, note=own.note)
+        return _completed(own, said)
 
     def confirmed(self, pnu: int, object_type: str) -> Parameter | None:
         """A parameter that a drive object is known to have, with a type that is not from memory; None if nobody knows,
@@ -309,6 +317,19 @@ class Device:
             those = [one for one in _candidates(self.lists, object_type) if one.grade == "read"]
             return self.find(pnu, object_type) if those and all(one.rows(pnu) for one in those) else None
         return own if own.type and own.grades.get("type") != "recalled" else None
+
+    def names(self, pnu: int, column: str) -> dict[tuple[str, ...], Mapping[int, str]]:
+        """What numbers stand for, of ``values`` or ``bits``: by the types of drive objects that have it like that, or
+        by the lists where none names a type.
+        """
+        said: dict[str, dict[int, str]] = {}
+        for one in self.lists:
+            for row in one.rows(pnu):
+                said.setdefault(one.type or one.name, {}).update(row.names(column))
+        alike: dict[tuple[tuple[int, str], ...], list[str]] = {}
+        for of, names in said.items():
+            alike.setdefault(tuple(sorted(names.items())), []).append(of)
+        return {tuple(of): dict(names) for names, of in alike.items() if names}
 
     def bit_text(self, pnu: int, bit: int, object_type: str) -> str:
         """What the lists call a bit; empty if none does, or they differ."""

@@ -17,7 +17,8 @@ COLUMNS = ("number", "kind", "also", "title", "class", "reaction", "acknowledge"
 TABLE = Path(__file__).with_name("messages.tsv")
 KINDS = {"F": "fault", "A": "alarm", "N": "no message", "C": "safety message"}
 Family = Literal[
-    "a_inf", "cu230p", "cu240", "cu250s", "dc_ctrl", "g110m", "g115d", "g120c", "g120x", "g220", "s200_pn", "s210_fw5",
+    "a_inf", "cu230p", "cu240", "cu250s", "dc_ctrl", "g110m", "g115d", "g120c", "g120x", "g220", "g220_clean_power",
+    "s200_basic_pn", "s200_pn", "s210_fw5",
     "s210_fw6", "servo", "vector",
 ]  # fmt: skip
 FAMILIES: Mapping[Family, str] = {
@@ -31,6 +32,8 @@ FAMILIES: Mapping[Family, str] = {
     "g120c": "G120C",
     "g120x": "G120X",
     "g220": "G220",
+    "g220_clean_power": "G220 Clean Power",
+    "s200_basic_pn": "S200 Basic PN",
     "s200_pn": "S200 PN",
     "s210_fw5": "S210, firmware 5",
     "s210_fw6": "S210, firmware 6",

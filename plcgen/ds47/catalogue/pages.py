@@ -28,11 +28,10 @@ def parameter_page(device: Device, parameter: Parameter) -> Page:
         sections.append(("Type", "unknown: a job must give it, {parameter: .., type: ..}"))
     if names:
         sections.append((f"Names of values ({how})", told_value(names)))
-    bits = {
-        bit: name for one in device.lists for row in one.rows(parameter.pnu) for bit, name in row.names("bits").items()
-    }
-    if bits:
-        sections.append(("Bits (0/1)", "\n".join(f".{bit:<3} {name}" for bit, name in sorted(bits.items()))))
+    every = device.names(parameter.pnu, "bits")
+    for of, bits in every.items():
+        whose = f" of {', '.join(of)}" if len(every) > 1 else ""
+        sections.append((f"Bits (0/1){whose}", "\n".join(f".{bit:<3} {name}" for bit, name in bits.items())))
     if parameter.observed is not None:
         sections.append(("Seen in a drive", f"{parameter.observed}, which is not a factory setting"))
     danger = device.danger(parameter.pnu) if "w" in parameter.access else ""

@@ -160,7 +160,7 @@ class UseResolver:
                     did_you_mean(reference.name, self._words) or f"use its number, for example {self.device.example()}"
                 )
                 self.problem("PG203", f'{self.device.title} has no parameter called "{reference.name}"', place, hint)
-            return found
+            return found and (self.own.get(found.pnu) or self.device.find(found.pnu, self.object_type))
         if not 1 <= reference.pnu <= 0xFFFF:
             self.problem("PG203", f"parameter number {reference.pnu} is outside 1..65535", place)
             return None

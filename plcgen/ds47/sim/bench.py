@@ -101,7 +101,7 @@ def _parameter(group: list[Use], device: Device, seed: int, *, distinct: bool) -
 
 def _codes(device: Device, kind: str, count: int) -> list[Value]:
     """A buffer with two messages that the drive can have; where only one fits, the first of them."""
-    known = [one.number for one in all_messages(device.messages) if one.kind == kind]
+    known: list[Value] = [one.number for one in all_messages(device.messages) if one.kind == kind]
     return [known[len(known) // 2], known[len(known) // 3], *[0] * (count - 2)][:count]
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from plcgen.oracles.spec.ds47.listed import StatedLists
+from plcgen.oracles.spec.ds47.listed import StatedLists, alike
 from plcgen.oracles.spec.ds47.types import SHORT
 from plcgen.oracles.spec.place import NotStatedError, SpecSource
 
@@ -73,6 +73,14 @@ class StatedCatalogue:
             for key, facts in (profile.get("parameters") or {}).items():
                 known = self.numbers.setdefault(_number(str(key)), {})
                 known.update(_believed(facts or {}, inherited=step > 0), letter=_letter(str(key), facts or {}, known))
+        usual: Mapping[str, Any] = next(
+            (one["object_types"] for _, one in _chain(device, profiles) if one.get("object_types")), {}
+        )
+        if usual and object_type and not alike(object_type, str(usual.get("others", ""))):
+            for number, known in self.numbers.items():  # what a list says of this type of object
+                if said := self._lists.read(number):
+                    kept = {key: known[key] for key in ("name", "dangerous", "harmless") if known.get(key)}
+                    self.numbers[number] = {**said, **kept}
         self.asking = {number: str(facts.get("dangerous") or "") for number, facts in self.numbers.items()}
         self.harmless = {number for number, facts in self.numbers.items() if facts.get("harmless")}
         self._defined = {_number(str(key)) for key in own}
