@@ -43,8 +43,10 @@ class StatedLists:
         return {key: value for key, value in agreed.items() if key not in doubted}
 
     def read(self, number: int) -> dict[str, Any]:
-        """The same if they are whole, of this device, and all have it; else nothing."""
-        whole = all(_own(one) and any(self._rows(one, number)) for one in self._asked)
+        """The same if they are whole, of this device, and all have it; nothing from lists that nobody gave."""
+        whole = all(str(one["list"]) in self._lines for one in self._asked) and all(
+            _own(one) and any(self._rows(one, number)) for one in self._asked
+        )
         return self.facts(number) if self._asked and whole and not self._lent else {}
 
     def name_it(self, number: int) -> bool:

@@ -76,22 +76,24 @@ class StatedCatalogue:
         usual: Mapping[str, Any] = next(
             (one["object_types"] for _, one in _chain(device, profiles) if one.get("object_types")), {}
         )
-        if usual and object_type and not alike(object_type, str(usual.get("others", ""))):
-            for number, known in self.numbers.items():  # what a list says of this type of object
-                if said := self._lists.read(number):
-                    kept = {key: known[key] for key in ("name", "dangerous", "harmless") if known.get(key)}
-                    self.numbers[number] = {**said, **kept}
+        self._unusual = bool(usual and object_type) and not alike(object_type, str(usual.get("others", "")))
         self.asking = {number: str(facts.get("dangerous") or "") for number, facts in self.numbers.items()}
         self.harmless = {number for number, facts in self.numbers.items() if facts.get("harmless")}
         self._defined = {_number(str(key)) for key in own}
         for key, facts in own.items():
             number = _number(str(key))
-            known = self.numbers.setdefault(number, self._lists.facts(number, defined=True))
+            known = self.numbers[number] = self._of_object(number) or self._lists.facts(number, defined=True)
             letter = _letter(str(key), facts or {}, known)
             known.update({name: value for name, value in (facts or {}).items() if value is not None}, letter=letter)
         self._device, self._source = str(profiles[device].get("like") or device), source
         self._own_key = device
         self.names = {facts["name"]: number for number, facts in self.numbers.items() if facts.get("name")}
+
+    def _of_object(self, number: int) -> dict[str, Any]:
+        """A row of the profiles; it gives way to the list of a type of drive object that is not the usual one."""
+        row = self.numbers.get(number, {})
+        said = self._lists.read(number) if row and self._unusual else {}
+        return {**said, **{key: row[key] for key in ("name", "dangerous", "harmless") if row.get(key)}} if said else row
 
     def has(self, number: int) -> bool:
         """Whether somebody knows that the drive has it: the spec, the profile but from memory, or a list of its own."""
@@ -135,7 +137,8 @@ class StatedCatalogue:
         first = int(match["first"] or 0)
         count = int(match["last"] or first) - first + 1
         bit = int(match["bit"]) if match["bit"] else None
-        known = self.numbers.get(number) or self._lists.facts(number) or {"letter": "r" if number in DISPLAYS else "P"}
+        known = self.numbers.get(number) if number in self._defined else self._of_object(number)
+        known = known or self._lists.facts(number) or {"letter": "r" if number in DISPLAYS else "P"}
         return WrittenParameter(text, number, first, count, indexed, bit, known)
 
 
