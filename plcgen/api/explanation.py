@@ -18,6 +18,7 @@ _OF_DRIVES = re.compile(r"(?![AFC][0-9]{3}\Z)[FANCPR] *[0-9]|[0-9]{5}\Z", re.IGN
 _BLOCK = re.compile(r"(DB|FB|FC) ?([0-9]{1,5})\Z", re.IGNORECASE)
 """Hexadecimal digits, too, but everybody who writes ``DB47`` means the block."""
 _FOUR = re.compile(r"[0-9]{4}\Z")
+_SINK = re.compile(r"C[0-9]{3}\Z", re.IGNORECASE)
 _CODE = re.compile(r"PG[0-9]{3}\Z", re.IGNORECASE)
 
 
@@ -51,7 +52,7 @@ def explain_page(key: str, device: str = "") -> Page | None:
     if not pages:
         return None
     sections = tuple(section for page in pages for section in page.sections)
-    sections += _as_message(text, device)
+    sections += _of_a_drive(text, device)
     return dataclasses.replace(pages[0], sections=sections)
 
 
@@ -66,14 +67,19 @@ def _block_page(kind: str, number: int) -> Page:
     return Page(f"{kind}{number}", "a block of the PLC program", tuple(sections))
 
 
-def _as_message(text: str, device: str) -> tuple[tuple[str, str], ...]:
-    """Four digits are the number of a message, too, if its first digit is left out: 7901 of F07901."""
-    if not _FOUR.match(text):
-        return ()
-    from plcgen.ds47.lookup import message_page
+def _of_a_drive(text: str, device: str) -> tuple[tuple[str, str], ...]:
+    """Four digits are the number of a message, too, if its first digit is left out, 7901 of F07901; C840 is a sink."""
+    from plcgen.ds47.lookup import message_page, parameter_page
 
-    page = message_page(f"0{text}", device)
-    return () if page is None else (("As a message of a drive", f"{page.key}: {page.title}; plcgen explain 0{text}"),)
+    if _FOUR.match(text):
+        what, asked = "message", f"0{text}"
+        page = message_page(asked, device)
+    elif _SINK.match(text):
+        what, asked = "parameter", f"c0{text[1:]}"
+        page = parameter_page(asked, device)
+    else:
+        return ()
+    return () if page is None else ((f"As a {what} of a drive", f"{page.key}: {page.title}; plcgen explain {asked}"),)
 
 
 def _diagnostic(code: str) -> Page | None:

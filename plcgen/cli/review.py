@@ -70,5 +70,6 @@ def command(
     out.show(format_, "review", result, output)
     out.complain(out.weakened)
     if not format_.complete and not result.ok:
-        out.complain([problem for problem in result.problems if problem.severity.label == "error"])
+        stale = [problem for problem in result.problems if problem.code == "PG504"]
+        out.complain([problem for problem in result.problems if problem.severity.label == "error"] or stale)
     return OK if result.ok else PROBLEMS

@@ -72,7 +72,7 @@ class Parameter:
     values by their names; ``scaling`` is the reference of the value in process data, p2000 for example;
     ``objects`` are the types of the drive objects that have it, empty if nobody knows. ``scale`` is what one count of a
     whole number is worth in the unit of its manual, 0 of one that has none: limits and values are in counts then, and
-    ``unit`` says what a count is, ``0.01 s``.
+    ``unit`` says what a count is, ``0.01 s``. ``sink``: its list has the letter c, an interconnection or a fixed value.
     """
 
     pnu: int
@@ -99,6 +99,17 @@ class Parameter:
     scaling: str = ""
     objects: frozenset[str] = frozenset()
     scale: float = 0.0
+    sink: bool = False
+
+    @property
+    def letter(self) -> str:
+        """``r``, ``P``, or ``c`` of a sink of firmware 6."""
+        return "r" if self.access == "r" else "c" if self.sink else "P"
+
+    @property
+    def label(self) -> str:
+        """``P1120``, ``r21`` or ``c840``."""
+        return f"{self.letter}{self.pnu}"
 
     def read(self, fact: Fact) -> bool:
         """Whether a fact was read in its source."""
@@ -200,7 +211,10 @@ def _listed(known: Iterable[DeviceList], pnu: int, object_type: str) -> Paramete
         "type": UNKNOWN, "title": facts_["title"], **agreed, "objects": [one.type for one, _ in said if one.type],
         "grade": "read" if sure else "inferred", "source": "; ".join(sources),
     }  # fmt: skip
-    return parameter_from(pnu, entry, read_only=any(row.texts["letter"] == "r" for _, row in said))
+    letters = {row.texts["letter"] for _, row in said}
+    differ = {"title": "title" not in agreed, "access": len(letters) > 1}
+    entry["facts"] = {fact: "inferred" for fact, does in differ.items() if does}
+    return parameter_from(pnu, entry, "r" if "r" in letters else "".join(letters))
 
 
 def _completed(own: Parameter, said: Parameter) -> Parameter:
@@ -286,7 +300,13 @@ class Device:
             return None
         usual = _listed(self.lists, pnu, types.others) if types is not None and not object_type else None
         said = usual or _listed(self.lists, pnu, object_type)
-        return said if own is None else _completed(own, said) if said is not None else own
+        if own is None or said is None:
+            return said if own is None else own
+        usual_types = single_types([types.others]) if types is not None else frozenset()
+        of_another = bool(object_type and usual_types) and not single_types([object_type]) & usual_types
+        if of_another and said.read("type"):  # a row speaks for the usual drive object; this one has its own list
+            return replace(said, name=own.name, dangerous=own.dangerous, harmless=own.harmless, note=own.note)
+        return _completed(own, said)
 
     def confirmed(self, pnu: int, object_type: str) -> Parameter | None:
         """A parameter that a drive object is known to have, with a type that is not from memory; None if nobody knows,
@@ -297,6 +317,19 @@ class Device:
             those = [one for one in _candidates(self.lists, object_type) if one.grade == "read"]
             return self.find(pnu, object_type) if those and all(one.rows(pnu) for one in those) else None
         return own if own.type and own.grades.get("type") != "recalled" else None
+
+    def names(self, pnu: int, column: str) -> dict[tuple[str, ...], Mapping[int, str]]:
+        """What numbers stand for, of ``values`` or ``bits``: by the types of drive objects that have it like that, or
+        by the lists where none names a type.
+        """
+        said: dict[str, dict[int, str]] = {}
+        for one in self.lists:
+            for row in one.rows(pnu):
+                said.setdefault(one.type or one.name, {}).update(row.names(column))
+        alike: dict[tuple[tuple[int, str], ...], list[str]] = {}
+        for of, names in said.items():
+            alike.setdefault(tuple(sorted(names.items())), []).append(of)
+        return {tuple(of): dict(names) for names, of in alike.items() if names}
 
     def bit_text(self, pnu: int, bit: int, object_type: str) -> str:
         """What the lists call a bit; empty if none does, or they differ."""
@@ -320,7 +353,7 @@ class Device:
         """A parameter that the catalogue of this device has; P1120 if it has none."""
         number = 1120 if 1120 in self.parameters else next(iter(self.parameters), 1120)
         known = self.parameters.get(number)
-        return f"{'r' if known is not None and known.access == 'r' else 'P'}{number}"
+        return known.label if known is not None else f"P{number}"
 
     def object_type(self, number: int) -> str:
         """Type of a drive object of which only the number is known; empty if the device has no types."""
@@ -439,8 +472,8 @@ class ParameterDef(StrictModel):
     )
 
 
-def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Parameter:
-    """Build a parameter from its catalogue or spec entry (already validated)."""
+def parameter_from(pnu: int, entry: Mapping[str, Any], letter: str) -> Parameter:
+    """Build a parameter from its catalogue or spec entry, already validated, and its letter: r, p or c."""
     every: tuple[Fact, ...] = get_args(Fact)
     general: Grade = entry.get("grade") or "read"
     own: Mapping[Fact, Grade] = entry.get("facts", {})
@@ -462,7 +495,7 @@ def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Pa
         name=entry.get("name") or "",
         title=entry.get("title") or "",
         unit=unit,
-        access=entry.get("access") or ("r" if read_only else "rw"),
+        access=entry.get("access") or ("r" if letter in {"r", "R"} else "rw"),
         array=array if isinstance(array, int) and "array" not in doubted else None,
         indexes=array if isinstance(array, str) else UNKNOWN if grades["array"] != "read" else "",
         minimum=None if "min" in doubted else stated.get("min"),
@@ -481,6 +514,7 @@ def parameter_from(pnu: int, entry: Mapping[str, Any], *, read_only: bool) -> Pa
         scaling=stated.get("scaling", ""),
         objects=single_types(stated.get("objects", ())),
         scale=scale,
+        sink=letter in {"c", "C"},
     )
 
 

@@ -126,7 +126,7 @@ def _lent(one: Parameter, base: Device) -> Parameter:
     entry |= {key: getattr(one, key) for key in ("name", "dangerous", "harmless", "note", "bico")}
     entry |= {"type": one.type or UNKNOWN, "source": f"as of the same number in {base.key}: {one.source}"}
     grades = {fact: "inferred" if grade == "read" else grade for fact, grade in one.grades.items()}
-    lent = parameter_from(one.pnu, {**entry, "grade": "inferred", "facts": grades}, read_only=one.access == "r")
+    lent = parameter_from(one.pnu, {**entry, "grade": "inferred", "facts": grades}, one.letter)
     return replace(lent, scale=one.scale)  # all of it is in counts already
 
 

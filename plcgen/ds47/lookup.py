@@ -92,12 +92,20 @@ def _facts(device: Device, known: Parameter, bit: str | None, value: str | None)
     """What the catalogue of a device says of a parameter, of one of its bits, or of a value."""
     if bit or value:
         column, number = ("bits", int(bit)) if bit else ("values", int(value or ""))
-        names = {one: (name, known.grades.get("values", "read")) for name, one in known.values.items()} if value else {}
-        for source in device.lists:
-            for row in source.rows(known.pnu):
-                names |= {one: (name, source.grade) for one, name in row.names(column).items()}
-        meaning, grade = names.get(number, ("not stated", "read"))
-        return f"{'bit ' if bit else ''}{number}: {meaning}{_doubt(grade)}"
+        every = device.names(known.pnu, column)
+        if value and not any(number in names for names in every.values()):
+            every = {("",): {one: name for name, one in known.values.items()}}
+        told: dict[str, list[str]] = {}
+        for of, names in every.items():
+            if number in names:
+                told.setdefault(names[number], []).extend(of)
+        sure = known.grades.get("values", "read") if value else "read"
+        grades = {one.type or one.name: one.grade for one in device.lists}
+        lines = [
+            text + _doubt(grades.get(of[0], sure)) + (f" ({', '.join(of)})" if len(told) > 1 else "")
+            for text, of in told.items()
+        ]
+        return f"{'bit ' if bit else ''}{number}: {'; '.join(lines) or 'not stated'}"
     low, high = limit_text(known.minimum), limit_text(known.maximum)
     limits = f"{low} to {high}" if low and high else f"from {low}" if low else f"up to {high}" if high else ""
     access = "read only" if known.access == "r" else "read and write"

@@ -17,7 +17,8 @@ COLUMNS = ("number", "kind", "also", "title", "class", "reaction", "acknowledge"
 TABLE = Path(__file__).with_name("messages.tsv")
 KINDS = {"F": "fault", "A": "alarm", "N": "no message", "C": "safety message"}
 Family = Literal[
-    "a_inf", "cu230p", "cu240", "cu250s", "dc_ctrl", "g110m", "g115d", "g120c", "g120x", "g220", "s200_pn", "s210_fw5",
+    "a_inf", "cu230p", "cu240", "cu250s", "dc_ctrl", "g110m", "g115d", "g120c", "g120x", "g220", "g220_clean_power",
+    "s200_basic_pn", "s200_pn", "s210_fw5",
     "s210_fw6", "servo", "vector",
 ]  # fmt: skip
 FAMILIES: Mapping[Family, str] = {
@@ -31,6 +32,8 @@ FAMILIES: Mapping[Family, str] = {
     "g120c": "G120C",
     "g120x": "G120X",
     "g220": "G220",
+    "g220_clean_power": "G220 Clean Power",
+    "s200_basic_pn": "S200 Basic PN",
     "s200_pn": "S200 PN",
     "s210_fw5": "S210, firmware 5",
     "s210_fw6": "S210, firmware 6",
@@ -39,6 +42,10 @@ FAMILIES: Mapping[Family, str] = {
 }
 """Families that the table tells apart. Of DC_CTRL it has what the list of VECTOR says of it, which is not all."""
 _NAME = re.compile(r"(?:([FANC])0*([1-9][0-9]{3,4})(?:\([FANC,]*\))?|([0-9]{5}))\Z", re.IGNORECASE)
+
+
+CODES = {945: "F", 947: "F", 2131: "F", 2122: "A", 2132: "A"}
+"""Parameters whose values are numbers of messages, faults or alarms."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -410,7 +410,7 @@ class DeviceProfile(StrictModel):
         pnu = number_of(key) or 0
         given = {"source": self.source} | entry.model_dump(exclude_none=True)
         given["source"] = self.sources.get(given["source"], given["source"])
-        return parameter_from(pnu, given, read_only=bool(guards.why_read_only(key, pnu)))
+        return parameter_from(pnu, given, "r" if guards.why_read_only(key, pnu) else key[:1])
 
 
 def _object_types(said: ProfileObjects) -> ObjectTypes:

@@ -91,6 +91,13 @@ class Verification:
         return list(dict.fromkeys([*own, *self.diagnostics]))
 
     @property
+    def told(self) -> list[Diagnostic]:
+        """All problems; if checks fail on files of another state of the spec, that alone and what is outside."""
+        if self.ok or not any(one.code == "PG504" for one in self.problems):
+            return self.problems
+        return [one for one in self.problems if one.code == "PG504" or one in self.outside]
+
+    @property
     def outside(self) -> list[Diagnostic]:
         """The diagnostics that belong to no check, each once."""
         own = {check.diagnostic for check in self.checks()}

@@ -161,8 +161,8 @@ _CONTACT = record(
     status=hexadecimal(8), text=TEXT, telegram=maybe({"$ref": "#/$defs/telegram"}),
 )  # fmt: skip
 _RESULT = record(
-    parameter=TEXT, member=TEXT, title=TEXT, unit=TEXT, value=_VALUE, error=maybe(hexadecimal(2)),
-    info={"type": "integer"},
+    parameter=TEXT, member=TEXT, title=TEXT, unit=TEXT, value=_VALUE, meaning=TEXT,
+    error=maybe(hexadecimal(2)), info={"type": "integer"},
 )  # fmt: skip
 TRACE = {
     "spec": TEXT, "folder": TEXT, "project": TEXT, "target": TEXT, "main": TEXT, "scan_time": NUMBER, "scans": NUMBER,

@@ -13,7 +13,6 @@ from plcgen.base.display.excerpts import count_text, diagnostics_text
 from plcgen.base.display.view import View
 
 if TYPE_CHECKING:
-    from plcgen.base.diagnostics import Diagnostic
     from plcgen.proof.checks import Check, CheckGroup, Verification
     from plcgen.proof.ledger import Assumption
 
@@ -29,12 +28,11 @@ def verification_text(verification: Verification, view: View) -> str:
     """The whole report: checks by group, what is wrong in detail, the summary."""
     what = ", ".join(clean(text) for text in (verification.project, verification.target) if text)
     out = [f"{what or clean(verification.spec)}: {clean(verification.folder)}"]
-    stale = _stale(verification)
-    if stale:
-        follow = len(verification.problems) - len(stale)
-        text = f"{out[0]}\n\n{diagnostics_text(stale, view)}\n"
-        if follow:
-            text += f"{quantity(follow, 'problem')} more may only follow from that: --format json lists all\n"
+    told = verification.told
+    follow = len(verification.problems) - len(told)
+    if follow:
+        text = f"{out[0]}\n\n{diagnostics_text(told, view)}\n"
+        text += f"{quantity(follow, 'problem')} more may only follow from that: --format json lists all\n"
         return text + _summary(verification, view) + "\n"
     for group in verification.groups:
         out += ["", *_group(group, view)]
@@ -44,13 +42,6 @@ def verification_text(verification: Verification, view: View) -> str:
     if found:
         text += diagnostics_text(found, view) + "\n"
     return text + _summary(verification, view) + "\n"
-
-
-def _stale(verification: Verification) -> list[Diagnostic]:
-    """That the files are not of this spec, and what is wrong outside of checks; empty if no check fails."""
-    if verification.ok or not any(one.code == "PG504" for one in verification.problems):
-        return []
-    return [one for one in verification.problems if one.code == "PG504" or one in verification.outside]
 
 
 def verifications_text(found: Sequence[Verification], view: View) -> str:

@@ -232,7 +232,7 @@ def samples(device: Device) -> dict[str, str]:
         "W": [*(number for number in (1030,) if number in words), *words],
     }
     first = {letter: known[numbers[0]] for letter, numbers in fitting.items() if numbers}
-    return {letter: f"{'r' if one.access == 'r' else 'P'}{one.pnu}" for letter, one in first.items()}
+    return {letter: one.label for letter, one in first.items()}
 
 
 def _with_numbers(text: str, device: Device) -> str:
@@ -284,12 +284,11 @@ def _job(recipe: Recipe, parameters: dict[int, Parameter]) -> str:
 
 
 def _line(parameter: Parameter, recipe: Recipe) -> str:
-    letter = "r" if parameter.access == "r" else "P"
     title = _titled(parameter)
     if not recipe.writes:
-        return f"      - {letter}{parameter.pnu}{recipe.indexes} | {title}"
+        return f"      - {parameter.label}{recipe.indexes} | {title}"
     value = f" {{start: {recipe.start}}}" if recipe.start else ""
-    return f"      {letter}{parameter.pnu}:{value} | {title}; an input of the block"
+    return f"      {parameter.label}:{value} | {title}; an input of the block"
 
 
 def _titled(parameter: Parameter) -> str:

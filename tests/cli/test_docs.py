@@ -104,6 +104,7 @@ def test_explain_of_words_names_pages(key: str, said: str, capsys: pytest.Captur
         ("DB47", ["a block of the PLC program", "data record 47", "numbers:"]),
         ("FB1203", ["a block of the PLC program"]),
         ("7901", ["As a message of a drive", "07901: Drive: Motor overspeed"]),
+        ("c840", ["As a parameter of a drive", "plcgen explain c0840"]),
         ("B02F", ["DS47", "record"]),
         ("b02eh", ["DS47"]),
         ("16#DB47", ["As the lower word"]),

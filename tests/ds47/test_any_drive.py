@@ -204,7 +204,7 @@ def test_every_display_of_every_family(tmp_path: Path, name: str, order: str) ->
         if one.access == "r" and one.type and "[" not in one.type and not device.danger(pnu)
     }
     found = api.check(both(tmp_path, name, known, order)).diagnostics
-    told = [match[1] for d in found if d.code == "PG207" and (match := re.match(r"P(\d+) ", d.message))]
+    told = [match[1] for d in found if d.code == "PG207" and (match := re.match(r"r(\d+) ", d.message))]
     assert sorted(map(int, told)) == sorted(known)
 
 

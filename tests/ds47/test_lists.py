@@ -47,10 +47,10 @@ def test_expert_list() -> None:
     found = parsed(STARTER)
     assert set(found) == {2, 840, 1120, 2940}
     assert found[1120] == ListedParameter(
-        1120, read_only=False, line=4, title="Ramp-function generator ramp-up time", unit="s", changeable="Operation",
+        1120, "p", line=4, title="Ramp-function generator ramp-up time", unit="s", changeable="Operation",
         minimum=0.0, maximum=999999.0, values={0: 12.5, 1: 10.0}, indexes=2,
     )  # fmt: skip
-    assert (found[2].value, found[840].value, found[2].read_only) == (31.0, None, True)
+    assert (found[2].value, found[840].value, found[2].letter) == (31.0, None, "r")
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "cp1252"])

@@ -131,6 +131,10 @@ def test_a_parameter_a_bit_and_a_value_are_explained() -> None:
     """As the lists of S120 (VECTOR) and S210 print r0002 and r0899; what no list states is not made up."""
     assert 'Switching on inhibited - set "OC/OFF2" = "1"' in _text("r0002 = 42", "sinamics-s120")
     assert "bit 2: Operation enabled (No/Yes)" in _text("r899.2", "sinamics-s120")
+    told = _text("r899.11", "sinamics-s120")
+    assert "Pulses enabled (No/Yes) (vector, servo); Precharging complete (No/Yes) (a_inf" in told, (
+        "of each object its own"
+    )
     assert "bit 2: Operation enabled (No/Yes) (inferred)" in _text("r899.2", "sinamics-g120"), "of the list of VECTOR"
     assert "7777: not stated" in _text("r2=7777", "sinamics-s120")
     assert "Save parameters" in _text("p971", "sinamics-g120c")

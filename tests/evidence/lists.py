@@ -84,7 +84,8 @@ def kept(row: Mapping[str, str]) -> list[str]:
 
 
 PACKAGES = {"sdral010": "a_inf", "sdral011": "servo", "sdral012": "vector", "sdral400": "s210_fw5",
-            "sdral401": "s210_fw6", "sdral425": "s200_pn", "sdral451": "g220", "StdrAlG120": "g120"}  # fmt: skip
+            "sdral401": "s210_fw6", "sdral423": "s200_basic_pn", "sdral425": "s200_pn", "sdral451": "g220",
+            "sdral453": "g220_clean_power", "StdrAlG120": "g120"}  # fmt: skip
 """Packages of the information system with messages; 400 begins with firmware 5.1, 401 with 6.1."""
 GROUPS = {"cu230p": "CU230P", "cu240": "CU240", "cu250s": "CU250S", "g110m": "CU_G110M", "g115d": "G115D",
           "g120c": "G120C", "g120x": "G120X", "vector": r"VECTOR(_G)?\Z", "servo": r"SERVO\Z", "a_inf": r"[ASB]_INF\Z",

@@ -62,7 +62,7 @@ def test_nothing_of_plcgen_is_imported() -> None:
             'j: {drive: axis, read: ["r945[0..1]", r722], timeout: 4s, retries: 5}',
             [
                 "j (read) on axis: identifier 281, drive object 3, record B02Fh",
-                "1 reads: r945[0..1] (Unsigned16, 2 values) -> faultCode; r722 (Unsigned32) -> p722",
+                "1 reads: r945[0..1] (Unsigned16, 2 values) -> faultCode; r722 (Unsigned32) -> r722",
                 "timeout 4000 ms, 5 retries, a pause of 200 ms",
             ],
         ),

@@ -85,12 +85,11 @@ def _numbers(own: OwnList, found: Inventory, device: str) -> Answer:
 
     from plcgen.base.display.data import head
     from plcgen.base.display.results import Answer
-    from plcgen.ds47.catalogue.pages import label
 
     parts = {
-        "known": (f"known to {device}", [label(one) for one in found.both]),
+        "known": (f"known to {device}", [one.label for one in found.both]),
         "unknown": ("only in the drive", [str(pnu) for pnu in found.drive]),
-        "missing": ("only in the catalogue", [label(one) for one in found.catalogue]),
+        "missing": ("only in the catalogue", [one.label for one in found.catalogue]),
     }
     lines = [f"{quantity(len(own.lines), 'parameter')} in the drive"]
     for told, numbers in parts.values():

@@ -103,9 +103,8 @@ def _drawn(found: Sequence[Parameter]) -> Answer:
     from plcgen.base.display.data import head
     from plcgen.base.display.results import Answer
     from plcgen.base.display.table import text_table
-    from plcgen.ds47.catalogue import pages
 
-    rows = [(pages.label(one), one.title) for one in found]
+    rows = [(one.label, one.title) for one in found]
     text = "\n".join(text_table(("parameter", "title"), rows, indent=0)) + "\n"
     listed = [{"parameter": name, "title": title} for name, title in rows]
     shown = {**head("catalogue draw", ok=True), "parameters": listed}
@@ -119,9 +118,7 @@ def _list(device: Device, found: Sequence[Parameter], missing: tuple[Diagnostic,
     from plcgen.ds47.catalogue import pages
 
     header = ("parameter", "type", "type is", "unit", "name", "title")
-    rows = [
-        (pages.label(p), p.type or "unknown", p.grades.get("type", "unknown"), p.unit, p.name, p.title) for p in found
-    ]
+    rows = [(p.label, p.type or "unknown", p.grades.get("type", "unknown"), p.unit, p.name, p.title) for p in found]
     count = pages.counts(found)
     told = ", ".join(f"{count[grade]} {grade}" for grade in pages.GRADES)
     text = "\n".join(text_table(header, rows, indent=0)) + f"\n\n{quantity(len(found), 'parameter')}; facts: {told}\n"

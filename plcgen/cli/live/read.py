@@ -153,10 +153,9 @@ def _answer(where: str, object_: int, found: Sequence[ElementReading]) -> Answer
     from plcgen.base.display.data import diagnostics_data
     from plcgen.base.display.results import Answer
     from plcgen.base.display.table import text_table
-    from plcgen.ds47.catalogue.pages import label
 
     rows = [
-        (f"{label(one.parameter)}[{one.index}]", one.text or "?", one.parameter.unit, one.data.hex(" ").upper(),
+        (f"{one.parameter.label}[{one.index}]", one.text or "?", one.parameter.unit, one.data.hex(" ").upper(),
          _type(one.parameter), one.parameter.title)
         for one in found
     ]  # fmt: skip

@@ -144,9 +144,8 @@ def _read(channel: PnParameters, changes: Sequence[Change], object_: int) -> Seq
 
 
 def _called(one: Parameter, address: ParameterAddress) -> str:
-    from plcgen.ds47.catalogue.pages import label
 
-    return f"{label(one)}[{address.subindex}]" + (f" ({one.title})" if one.title else "")
+    return f"{one.label}[{address.subindex}]" + (f" ({one.title})" if one.title else "")
 
 
 def _shown(one: Parameter, block: ValueBlock) -> str:

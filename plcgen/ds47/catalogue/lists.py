@@ -53,7 +53,7 @@ class ListedParameter:
     """
 
     pnu: int
-    read_only: bool
+    letter: str
     line: int
     title: str = ""
     unit: str = ""
@@ -197,7 +197,7 @@ def _listed(texts: Mapping[str, str], line: int, decimal: str, skipped: list[str
     low, high = (None if isinstance(read, str) else read for read in (numbers["min"], numbers["max"]))
     return ListedParameter(
         pnu=int(match[2]),
-        read_only=match[1] in "rR",
+        letter=match[1].lower(),
         line=line,
         title=cell_text(texts.get("title", "")),
         unit=cell_text(texts.get("unit", "")).strip("-"),

@@ -11,7 +11,7 @@ from typing import Any
 from plcgen.base.files.yaml import Scalar
 from plcgen.ds47 import guards
 from plcgen.ds47.catalogue.lists import ListedParameter, ParameterList, cell_text
-from plcgen.ds47.catalogue.pages import label, told_value
+from plcgen.ds47.catalogue.pages import told_value
 from plcgen.ds47.device import UNKNOWN, Device, DeviceList, Fact, Grade, Parameter, facts
 from plcgen.ds47.lists import ON_WIRE
 from plcgen.ds47.types import TypeTextError, read_type
@@ -51,7 +51,9 @@ def merge_list(device: Device, listed: ParameterList, source: str) -> Merged:
     skipped = [*listed.skipped]
     for one in listed.parameters:
         known = device.find(one.pnu)
-        base = known or Parameter(one.pnu, _type(one), access="r" if _read_only(one) else "rw", indexes=UNKNOWN)
+        base = known or Parameter(
+            one.pnu, _type(one), access="r" if _read_only(one) else "rw", indexes=UNKNOWN, sink=one.letter == "c"
+        )
         stated = dict(_stated(base, one, skipped))
         if known is None:
             changes.append(ListedChange(_called(one), NEW, "", "", one.title))
@@ -62,7 +64,7 @@ def merge_list(device: Device, listed: ParameterList, source: str) -> Merged:
 
 
 def _called(one: ListedParameter) -> str:
-    return f"{'r' if one.read_only else 'P'}{one.pnu}"
+    return f"{'P' if one.letter == 'p' else one.letter}{one.pnu}"
 
 
 def _read_only(one: ListedParameter) -> bool:
@@ -124,7 +126,7 @@ def _changes(known: Parameter, stated: Mapping[Fact, Any]) -> Iterator[ListedCha
     for fact, value in stated.items():
         had, grade = before.get(fact, ("", ""))
         if had != value or (grade != "read" and fact != "title"):
-            yield ListedChange(label(known), fact, told_value(had), grade, told_value(value))
+            yield ListedChange(known.label, fact, told_value(had), grade, told_value(value))
 
 
 def _laid_over(base: Parameter, one: ListedParameter, stated: Mapping[Fact, Any], source: str) -> Parameter:
@@ -204,7 +206,7 @@ def profile_text(device: Device) -> str:
             f"P{pnu}": {"source": one.source, "grade": one.grade} for pnu, one in sorted(device.absences.items())
         }
     lines = [f"{key}: {_flow(value)}" for key, value in head.items()]
-    rows = [f"  {_key(one)}: {_flow(_row(one))}" for _, one in sorted(device.parameters.items())]
+    rows = [f"  {one.label.capitalize()}: {_flow(_row(one))}" for _, one in sorted(device.parameters.items())]
     return "\n".join([*lines, "parameters:" if rows else "parameters: {}", *rows]) + "\n"
 
 
@@ -212,10 +214,6 @@ def _of_list(one: DeviceList) -> dict[str, Any]:
     """A list that the device has, as a profile names it."""
     said = {"list": one.name, "objects": sorted(one.objects), "type": one.type, "grade": one.grade, "whole": one.whole}
     return {key: value for key, value in said.items() if value not in ("", [])}
-
-
-def _key(one: Parameter) -> str:
-    return f"{'R' if one.access == 'r' else 'P'}{one.pnu}"
 
 
 def _row(one: Parameter) -> dict[str, Any]:

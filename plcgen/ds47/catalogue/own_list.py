@@ -44,7 +44,7 @@ class OwnList:
 
     def parameters(self) -> Sequence[ListedParameter]:
         """The same as a parameter list, which says of each that it exists."""
-        return [ListedParameter(pnu, read_only=False, line=line) for pnu, line in sorted(self.lines.items())]
+        return [ListedParameter(pnu, "p", line=line) for pnu, line in sorted(self.lines.items())]
 
 
 @dataclass(frozen=True, slots=True)

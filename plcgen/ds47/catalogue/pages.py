@@ -19,11 +19,6 @@ def counts(parameters: Iterable[Parameter]) -> Counter[Grade]:
     return Counter(grade for one in known for fact, (_, grade) in one.items() if fact != "access")
 
 
-def label(parameter: Parameter) -> str:
-    """``P1120``, or ``r21`` for a parameter that can only be read."""
-    return f"{'r' if parameter.access == 'r' else 'P'}{parameter.pnu}"
-
-
 def parameter_page(device: Device, parameter: Parameter) -> Page:
     """One parameter of a device."""
     known = facts(parameter)
@@ -33,11 +28,10 @@ def parameter_page(device: Device, parameter: Parameter) -> Page:
         sections.append(("Type", "unknown: a job must give it, {parameter: .., type: ..}"))
     if names:
         sections.append((f"Names of values ({how})", told_value(names)))
-    bits = {
-        bit: name for one in device.lists for row in one.rows(parameter.pnu) for bit, name in row.names("bits").items()
-    }
-    if bits:
-        sections.append(("Bits (0/1)", "\n".join(f".{bit:<3} {name}" for bit, name in sorted(bits.items()))))
+    every = device.names(parameter.pnu, "bits")
+    for of, bits in every.items():
+        whose = f" of {', '.join(of)}" if len(every) > 1 else ""
+        sections.append((f"Bits (0/1){whose}", "\n".join(f".{bit:<3} {name}" for bit, name in bits.items())))
     if parameter.observed is not None:
         sections.append(("Seen in a drive", f"{parameter.observed}, which is not a factory setting"))
     danger = device.danger(parameter.pnu) if "w" in parameter.access else ""
@@ -48,14 +42,14 @@ def parameter_page(device: Device, parameter: Parameter) -> Page:
             sections.append((heading, text))
     sections.append(("Source", parameter.source))
     name = f"{parameter.name}: " if parameter.name else ""
-    return Page(f"{label(parameter)} of {device.key}", f"{name}{parameter.title}", tuple(sections))
+    return Page(f"{parameter.label} of {device.key}", f"{name}{parameter.title}", tuple(sections))
 
 
 def data(device: Device, parameter: Parameter) -> Mapping[str, Any]:
     """The same for programs."""
     return {
         "device": device.key,
-        "parameter": label(parameter),
+        "parameter": parameter.label,
         "name": parameter.name,
         "facts": {fact: {"value": value, "grade": grade} for fact, (value, grade) in facts(parameter).items()},
         "observed": parameter.observed,

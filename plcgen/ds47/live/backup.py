@@ -208,7 +208,7 @@ def compare_list(
 ) -> Iterator[LiveRow]:
     """Every adjustable value of a list, against the drive; what a drive sets back by itself says nothing."""
     object_type = device.object_type(drive_object)
-    there = [one for one in listed if one.values and not one.read_only and one.pnu not in guards.SET_BACK]
+    there = [one for one in listed if one.values and one.letter != "r" and one.pnu not in guards.SET_BACK]
     for at in range(0, len(there), CHUNK):
         chunk = there[at : at + CHUNK]
         known = [device.find(one.pnu, object_type) or Parameter(one.pnu, one.type) for one in chunk]

@@ -209,7 +209,7 @@ class Use:
         """The same without bits."""
         if self.served:
             return "number[index]"
-        base = f"{'r' if self.parameter.access == 'r' else 'P'}{self.parameter.pnu}"
+        base = self.parameter.label
         if self.first is None:
             return base
         last = self.first + (1 if self.format.is_string else self.count) - 1

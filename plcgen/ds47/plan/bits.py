@@ -104,7 +104,7 @@ class BitResolver:
         highest = sum(1 << (one.bit or 0) for one in set_)
         _, most = integer_range(word.format) or (0, 0)
         if limit is not None and limit < highest <= most:
-            place, message = (*set_[-1].path, "parameter"), f"{word.label} may be {highest}, and P{word.parameter.pnu}"
+            place, message = (*set_[-1].path, "parameter"), f"{word.label} may be {highest}, and {word.parameter.label}"
             self._problem(f"{message} is {limit:g} at most", place, "the drive would answer error 02h")
             self.complete = False
         low = word.parameter.minimum

@@ -178,10 +178,10 @@ def _own_parameters(
             )
             continue
         scale = definition.scale or (known.scale if known is not None else 0.0)
-        found = parameter_from(reference.pnu, {**definition.model_dump(), "scale": scale}, read_only=bool(reason))
+        found = parameter_from(reference.pnu, {**definition.model_dump(), "scale": scale}, "r" if reason else text[:1])
         own[reference.pnu] = found if known is None else merged(known, found)
         for key, told in widened(known, definition, found) if known is not None else ():
-            message = f"P{reference.pnu} {told}: {known.source}" if known is not None else ""
+            message = f"{found.label} {told}: {known.source}" if known is not None else ""
             narrow = "" if key == "unit" else ", or narrow it"
             help_ = f"remove {key}{narrow}; a device that differs gets a profile of its own (docs/devices.md)"
             report.add(Diagnostic("PG229", message, loaded.span((*path, key)), help=help_))

@@ -160,7 +160,7 @@ class UseResolver:
                     did_you_mean(reference.name, self._words) or f"use its number, for example {self.device.example()}"
                 )
                 self.problem("PG203", f'{self.device.title} has no parameter called "{reference.name}"', place, hint)
-            return found
+            return found and (self.own.get(found.pnu) or self.device.find(found.pnu, self.object_type))
         if not 1 <= reference.pnu <= 0xFFFF:
             self.problem("PG203", f"parameter number {reference.pnu} is outside 1..65535", place)
             return None
@@ -181,7 +181,7 @@ class UseResolver:
                 return replace(known, type=given, access="r" if known.pnu in guards.READ_ONLY else "rw", bico=False)
             self.problem(
                 "PG212",
-                f"P{reference.pnu} is {known.type} in the catalogue, not {given}",
+                f"{known.label} is {known.type} in the catalogue, not {given}",
                 (*path, "type"),
                 f"remove the type, or define the parameter under drives.*.parameters if {self.device.key} differs",
             )
@@ -237,7 +237,7 @@ class UseResolver:
     def _index_fits(self, reference: Reference, parameter: Parameter, place: SpecPath) -> bool:
         if reference.first is None or reference.last is None:
             return True
-        label = f"P{parameter.pnu}"
+        label = parameter.label
         if reference.last < reference.first:
             self.problem("PG206", f"{label}[{reference.first}..{reference.last}]: the range runs backwards", place)
         elif reference.last > 0xFFFE:
@@ -265,7 +265,7 @@ class UseResolver:
             return None if one is None else one * count
         if len(values) != count:
             help_ = f"give {count} values, or one for all of them"
-            self.problem("PG210", f"P{parameter.pnu}: {len(values)} values for {count} elements", path, help_)
+            self.problem("PG210", f"{parameter.label}: {len(values)} values for {count} elements", path, help_)
             return None
         packed = b""
         ok = True
@@ -281,7 +281,7 @@ class UseResolver:
         elif parameter.scale and isinstance(value, int | float) and not isinstance(value, bool):
             value = counts(value, parameter.scale)
             if not isinstance(value, int):
-                message = f"P{parameter.pnu} = {value * parameter.scale:g} is no multiple of {parameter.unit}"
+                message = f"{parameter.label} = {value * parameter.scale:g} is no multiple of {parameter.unit}"
                 self.problem("PG208", message, path, f"one count of the drive is {parameter.unit}")
                 return None
         if isinstance(value, str):
@@ -293,6 +293,8 @@ class UseResolver:
                 return None
             if bico is None and fmt.kind is not FormatKind.OPAQUE:
                 help_ = _name_help(value, parameter) or _value_help(fmt)
+                if parameter.sink and parse_bico(value) is not None:
+                    help_ = "the letter c is a fixed value here: how a source is written into it, no list says"
                 self.problem("PG211", f'"{value}" is not a value of type {fmt.name}', path, help_)
                 return None
             value = value if bico is None else bico
@@ -305,7 +307,7 @@ class UseResolver:
             help_ = (
                 "write a value that this type holds; the type is that of the catalogue, or of parameters: in the drive"
             )
-            self.problem("PG208", f"P{parameter.pnu}: {problem}{counted}", path, help_)
+            self.problem("PG208", f"{parameter.label}: {problem}{counted}", path, help_)
             return None
         return packed if self._within(value, parameter, path) else None
 
@@ -323,7 +325,7 @@ class UseResolver:
             how = "" if sure else f" ({' and '.join(grades)}, not read in a manual)"
             self.problem(
                 "PG209",
-                f"P{parameter.pnu} = {value * of:g} is outside its limits {bounds}{how}",
+                f"{parameter.label} = {value * of:g} is outside its limits {bounds}{how}",
                 path,
                 "the drive would answer error 02h"
                 if sure
@@ -413,8 +415,11 @@ def _safe_default(parameter: Parameter, fmt: Format, count: int) -> Any:
 
 
 def _member(parameter: Parameter, reference: Reference) -> str:
-    """Default member name: the catalogue's name, else the number; a single element of an array adds its index."""
-    base = camel_case(parameter.name) if parameter.name else f"p{parameter.pnu}"
+    """Default member name: the catalogue's name, else the number; a single element of an array adds its index.
+
+    A sink is called ``p840`` as well: ``c840`` would be a counter.
+    """
+    base = camel_case(parameter.name) if parameter.name else f"{'r' if parameter.access == 'r' else 'p'}{parameter.pnu}"
     if reference.first is None or reference.last != reference.first:
         return base
     return f"{base}Index{reference.first}"

@@ -97,7 +97,7 @@ def _drive(plan: DrivePlan, drive: PlannedDrive) -> Iterator[Assumption]:
                 uses.setdefault(use.parameter.pnu, use)
     own = {number_of(text): (text, one) for text, one in plan.settings(drive).parameters.items()}
     for use in uses.values():
-        parameter, name = use.parameter, f"{drive.key} {'r' if use.parameter.access == 'r' else 'P'}{use.parameter.pnu}"
+        parameter, name = use.parameter, f"{drive.key} {use.parameter.label}"
         written, defined = own.get(parameter.pnu, ("", None))
         place = f"the spec, {'.'.join(map(str, drive.path))}.parameters.{written}" if written else "the spec"
         known = drive.device.find(parameter.pnu, drive.object_type)

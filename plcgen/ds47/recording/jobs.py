@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import partial
 
-from plcgen.ds47.messages import find
-from plcgen.ds47.plan.access import Column, Compare, Recount, Use
+from plcgen.ds47.messages import CODES, find
+from plcgen.ds47.plan.access import Compare, Recount, Use
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.ds47.sim.awaited import let_come
 from plcgen.ds47.sim.drive import Drive
@@ -219,19 +219,20 @@ class DriveJobWatch:
             value = recorded_value(self._cpu[f"{self._path}.{value_path(self._planned, use)}"])
         parameter = use.parameter
         text = error_text(number).explain(info) if number is not None else ""
-        meaning = _titles(self._planned, use, value)
         return JobValue(
-            use.label, use.member, parameter.title, parameter.unit or "", value, number, info, text, meaning
-        )
+            use.label, use.member, parameter.title, parameter.unit or "", value, number, info, text,
+            _meaning(self._planned, use, value),
+        )  # fmt: skip
 
 
-def _titles(job: DriveJob, use: Use, value: Value | None) -> str:
-    """What the lists of the drive call the messages whose numbers were read."""
-    column, families = use.as_(Column), job.drive.device.messages
-    if column is None or column.name != "code" or not isinstance(value, list):
-        return ""
-    kind = "A" if job.kind == "alarms" else "F"
-    told = {number: find(number, families, kind) for number in value if isinstance(number, int) and number}
+def _meaning(job: DriveJob, use: Use, value: Value | None) -> str:
+    """What the lists of the drive call the messages whose numbers were read, or the value of a parameter."""
+    whole = [one for one in (value if isinstance(value, list) else [value]) if type(one) is int]
+    kind = CODES.get(use.parameter.pnu)
+    if kind is None:
+        named = {number: name for name, number in use.parameter.values.items()}
+        return named.get(whole[0], "") if len(whole) == 1 and not use.bits and use.bit is None else ""
+    told = {number: find(number, job.drive.device.messages, kind) for number in whole if number}
     titles = {number: " / ".join(dict.fromkeys(one.title for one in found)) for number, found in told.items()}
     return "; ".join(f"{kind}{number:05} {title}" for number, title in titles.items() if title)
 

@@ -89,7 +89,7 @@ def _missing(plan: DrivePlan, job: DriveJob, needed: _Needed, *, sure: bool) -> 
         message = f"drive object {needed.drive_object} {has} no P{needed.pnu}: {source}"
         help_ = "the drive would answer error 00h: look for the parameter in its list"
         return Diagnostic("PG262", message, needed.span, severity, help=help_)
-    name = f"{'r' if known.access == 'r' else 'P'}{needed.pnu}"
+    name = known.label
     shown = f" ({needed.drive.key})" if needed.drive is not None else ""
     where = f"drive object {needed.drive_object}{shown} {has} no {name} ({known.title})"
     source = f", from which {needed.of} is to take its signal" if needed.of else ""

@@ -90,7 +90,7 @@ def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
             "PG219",
             f"writing {_title(use.parameter)}{of_drive(plan, job)} needs a sign-off: {reason}",
             parameter_span(plan, use),
-            help=f"if this is intended, add {key}: {{P{pnu}: why}} to the job",
+            help=f"if this is intended, add {key}: {{{use.parameter.label}: why}} to the job",
         )
     for job in plan.shapes:
         spec = plan.entry(job)
@@ -145,13 +145,13 @@ def unclassified(plan: DrivePlan) -> Iterator[Diagnostic]:
         known = (job.shape, job.drive.device.key, use.parameter.pnu)
         if known not in told:
             told.add(known)
-            pnu = use.parameter.pnu
             yield Diagnostic(
                 "PG261",
                 f"nobody has classified what writing {_title(use.parameter)}{of_drive(plan, job)} does",
                 parameter_span(plan, use),
                 Severity.WARNING,
-                help=f"look it up in the list manual; if it may be written, add allow: {{P{pnu}: why}} to the job",
+                help="look it up in the list manual; if it may be written, add "
+                f"allow: {{{use.parameter.label}: why}} to the job",
             )
 
 
@@ -193,7 +193,7 @@ def unknown_types(plan: DrivePlan) -> Iterator[Diagnostic]:
                 f"{what} {how}: nobody has looked it up",
                 parameter_span(plan, use),
                 Severity.WARNING,
-                help=f"look it up, then define it in the drive: parameters: {{P{use.parameter.pnu}: {{type: ..}}}}",
+                help=f"look it up, then define it in the drive: parameters: {{{use.parameter.label}: {{type: ..}}}}",
             )
 
 
@@ -245,4 +245,4 @@ def definitions(plan: DrivePlan) -> Iterator[Diagnostic]:
 
 
 def _title(parameter: Parameter) -> str:
-    return f"P{parameter.pnu} ({parameter.title})" if parameter.title else f"P{parameter.pnu}"
+    return f"{parameter.label} ({parameter.title})" if parameter.title else parameter.label

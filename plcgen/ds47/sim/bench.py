@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from plcgen.ds47.device import Device
 from plcgen.ds47.device import Parameter as CatalogueParameter
 from plcgen.ds47.kind import Poll
+from plcgen.ds47.messages import CODES, all_messages
 from plcgen.ds47.plan.access import Use
 from plcgen.ds47.plan.nouns import DrivePlan, PlannedDrive
 from plcgen.ds47.sim.behaviour import Behaviour
@@ -43,7 +44,7 @@ def build_unit(
     device: Device, uses: Mapping[int, Iterable[Use]], faults: Iterable[Fault] = (), *, distinct: bool = False
 ) -> Drive:
     """A unit with the parameters that are used of each of its drive objects."""
-    objects = [DriveObject(number, _parameters(used, distinct=distinct)) for number, used in uses.items()]
+    objects = [DriveObject(number, _parameters(used, device, distinct=distinct)) for number, used in uses.items()]
     local = objects[0].number if len(objects) == 1 else None
     return Drive(behaviour_of(device, local), objects, faults)
 
@@ -64,20 +65,24 @@ def behaviour_of(device: Device, local_object: int | None = None) -> Behaviour:
     )
 
 
-def _parameters(uses: Iterable[Use], *, distinct: bool) -> dict[int, SimulatedParameter]:
+def _parameters(uses: Iterable[Use], device: Device, *, distinct: bool) -> dict[int, SimulatedParameter]:
     by_pnu: dict[int, list[Use]] = {}
     for use in uses:
         by_pnu.setdefault(use.parameter.pnu, []).append(use)
-    return {pnu: _parameter(group, seed, distinct=distinct) for seed, (pnu, group) in enumerate(by_pnu.items(), 1)}
+    return {
+        pnu: _parameter(group, device, seed, distinct=distinct) for seed, (pnu, group) in enumerate(by_pnu.items(), 1)
+    }
 
 
-def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParameter:
+def _parameter(group: list[Use], device: Device, seed: int, *, distinct: bool) -> SimulatedParameter:
     use = group[0]
     fmt, definition = use.format, use.parameter
     highest = max(u.subindex + (1 if fmt.is_string else u.count) for u in group)
     array = definition.array is not None or highest > 1
     count = max(definition.array or 1, highest)
     drawn = [_value(use, definition, seed * 16 + index, distinct=distinct) for index in range(min(count, DRAWN))]
+    if definition.pnu in CODES and device.messages and not distinct:
+        drawn = _codes(device, CODES[definition.pnu], count)
     effect = next((poll.effect for one in group if (poll := one.as_(Poll))), None)
     limits = ValueLimits(definition.minimum, definition.maximum) if fmt.kind in _NUMERIC else ValueLimits()
     return SimulatedParameter(
@@ -92,6 +97,12 @@ def _parameter(group: list[Use], seed: int, *, distinct: bool) -> SimulatedParam
         saves=effect if effect in {"unit", "object"} else "",
         acknowledges=effect == "faults",
     )
+
+
+def _codes(device: Device, kind: str, count: int) -> list[Value]:
+    """A buffer with two messages that the drive can have; where only one fits, the first of them."""
+    known: list[Value] = [one.number for one in all_messages(device.messages) if one.kind == kind]
+    return [known[len(known) // 2], known[len(known) // 3], *[0] * (count - 2)][:count]
 
 
 def repeated(drawn: list[Value], count: int) -> list[Value]:

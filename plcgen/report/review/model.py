@@ -119,7 +119,7 @@ class Review:
     @property
     def problems(self) -> tuple[Diagnostic, ...]:
         """Every diagnostic once, the errors first: of the verification, the comparisons, the lock and the runs."""
-        found = self.verification.problems
+        found = tuple(self.verification.told)
         for comparison in (*(comparison for _, comparison in self.changes), self.lock):
             found += comparison.diagnostics if comparison is not None else ()
         return tuple(sorted(dict.fromkeys(found), key=lambda d: -d.severity))

@@ -223,4 +223,5 @@ def _values(job: JobResult) -> Iterator[str]:
             yield clean(f"{value.label}: error {value.error:02X}h")
         elif value.value is not None:
             name = f"{value.label} {value.title}".rstrip()
-            yield clean(f"{name}: {value_text(value.value)} {value.unit}".rstrip())
+            meaning = f" ({value.meaning})" if value.meaning else ""
+            yield clean(f"{name}: {value_text(value.value)} {value.unit}".rstrip() + meaning)

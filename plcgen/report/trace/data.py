@@ -113,6 +113,7 @@ def _job(job: JobResult) -> dict[str, Any]:
                 "title": value.title,
                 "unit": value.unit,
                 "value": None if value.value is None else _plain(value.value),
+                "meaning": value.meaning,
                 "error": None if value.error is None else f"{value.error:02X}",
                 "info": value.info,
             }

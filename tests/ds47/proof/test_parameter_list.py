@@ -39,7 +39,7 @@ def run(plant: Plant, values: list[int] | None) -> tuple[int, list[str]]:
 
 def watched(plant: Plant) -> OwnList | None:
     """What a watch table of the array shows, read."""
-    name = '"DriveJobs".readList.p980'
+    name = '"DriveJobs".readList.r980'
     rows = [(at + 2, [f"{name}[{at}]", "DEC", str(plant.cpu[f"{name}[{at}]"])]) for at in range(300)]
     return read_own_list([[(1, ["Name", "Display format", "Monitor value"]), *rows]], Path("watch.csv"))
 
@@ -66,7 +66,7 @@ def test_a_drive_that_has_no_list(generate, target) -> None:
     plant = Plant(made.plan, made.program).fresh()
     plant.waiting = []
     assert run(plant, [*range(2, 202)]) == (0x8401, [f"{ASK} 75 03 d4 00 00", f"{ASK} 75 03 d4 00 75"])
-    assert [plant.cpu[f'"DriveJobs".readList.p980[{at}]'] for at in (0, 116, 117)] == [2, 118, 0]
+    assert [plant.cpu[f'"DriveJobs".readList.r980[{at}]'] for at in (0, 116, 117)] == [2, 118, 0]
     assert plant.cpu[ERROR] == 0x8003
     assert run(plant, None) == (0x8401, [f"{ASK} 75 03 d4 00 00"])
     assert plant.cpu[ERROR] == 0x8000

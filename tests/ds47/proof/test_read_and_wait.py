@@ -24,7 +24,7 @@ def test_one_telegram_asks_for_both(tmp_path: Path) -> None:
     asked, written = (one.request.data.hex(" ") for one in job.telegrams)
     assert asked == "01 01 03 03 10 01 03 83 00 00 10 01 00 15 00 00 10 01 00 3d 00 00"
     assert written == "02 02 03 01 10 01 04 60 00 00 08 01 40 40 00 00"
-    assert [use.member for use in job.outputs] == ["p899Bit2Step1", "actualSpeed", "p61"]
+    assert [use.member for use in job.outputs] == ["r899Bit2Step1", "actualSpeed", "r61"]
 
 
 def test_what_does_not_fit_one_answer_is_refused(tmp_path: Path) -> None:
@@ -39,7 +39,7 @@ def test_what_does_not_fit_one_answer_is_refused(tmp_path: Path) -> None:
 DAMAGE = {
     "the value of another parameter": (
         "#actualSpeed := #statResponse1.actualSpeed",
-        "#actualSpeed := #statResponse1.p61",
+        "#actualSpeed := #statResponse1.r61",
     ),
     "it does not wait": ("IF #tempMissed <> L#0 THEN", "IF FALSE THEN"),
     "a value that is read decides": ("#unit.telegram[7]", "#unit.telegram[11]"),

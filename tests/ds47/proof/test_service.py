@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from plcgen import api
 from plcgen.ds47.proof.plant import Plant
 from plcgen.ds47.sim.parameters import SimulatedParameter
 from plcgen.ds47.wire.formats import by_name
@@ -72,6 +73,23 @@ def test_instances_are_their_own(generate, target) -> None:
     assert started(plant, "ask.right")[1] == ["01 04 01 10 01 03 c4 00 00"]
     assert started(plant, "ask.left")[1] == ["01 03 01 10 01 03 c4 00 00"]
     assert started(plant, "look")[1] == ["01 04 01 10 01 00 3f 00 00"]
+
+
+@pytest.mark.parametrize("device", ["sinamics-g130", "sinamics-g150", "sinamics-s150"])
+def test_an_object_without_the_first_number_is_no_fault(device: str, tmp_path: Path) -> None:
+    """The list of the drive objects of these lacks r964: the drive answers 00h to the start values, which is right."""
+    spec = tmp_path / "job.yaml"
+    spec.write_text(
+        f"""plc: {{name: Plant, family: s7-300, toolchain: tia-v15.1}}
+drives: {{a: {{device: {device}, address: 256, drive_object: 3}}}}
+jobs: {{look: {{drive: a, service: read}}}}
+""",
+        "utf-8",
+    )
+    assert api.generate(spec, tmp_path / "out").ok
+    result = api.verify(spec, tmp_path / "out", faults="none")
+    assert not result.problems
+    assert any("error 00h" in one.verdict for one in result.checks())
 
 
 DAMAGE = {

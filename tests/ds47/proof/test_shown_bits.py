@@ -78,4 +78,4 @@ jobs: {look: {drive: a, read: [r899.4]}}
     trace = api.simulate(spec, tmp_path / "out")
     names = [signal.id for signal in trace.signals]
     last = {names[at]: value for step in trace.steps for at, value in step.changes}
-    assert (last["look.p899"], last["look.noCoastingActive"]) == (16, True)
+    assert (last["look.r899"], last["look.noCoastingActive"]) == (16, True)

@@ -92,7 +92,7 @@ DAMAGES = {
     "twice": ("SaveAxis", "statOrder.once := TRUE", "statOrder.once := FALSE", "save_axis", "sent once"),
     "comparison": ("Wait", "Step1 <= 100.0", "Step1 < 100.0", "wait", ""),
     "bit": ("Wait", "B#16#02", "B#16#04", "wait", ""),
-    "output": ("DriveCalls", "readSpeed.p899", "wait.faultCodeIndex0", "read_speed", ".p899 = "),
+    "output": ("DriveCalls", "readSpeed.r899", "wait.faultCodeIndex0", "read_speed", ".r899 = "),
     "start value": ("RecipeTension", "35.0", "34.0", "load", "p2900 = 35.0 as delivered, found 34.0"),
 }  # fmt: skip
 

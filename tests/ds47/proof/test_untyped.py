@@ -45,7 +45,7 @@ def test_the_answer_says_the_type(
     plant.begin(delivered=True)
     assert ended(plant, job) == 0
     assert sent(plant) == ["01 02 02 10 01 a4 43 00 00 10 01 a4 44 00 03"]
-    shown = '"DriveJobs".look.p42051'
+    shown = '"DriveJobs".look.r42051'
     assert bytes(plant.cpu[shown]).hex() == octets
     assert (plant.cpu[f"{shown}Format"], plant.cpu[f"{shown}Dint"]) == (code, dint)
     assert plant.cpu[f"{shown}Real"] == struct.unpack(">f", struct.pack(">f", real))[0]
@@ -54,12 +54,12 @@ def test_the_answer_says_the_type(
 
 DAMAGE = {
     "no sign": ("#tempNumber := DW#16#FFFFFFFF;", "#tempNumber := DW#16#0;"),
-    "octets of the answer before": ("#p42051[#tempIndex] := B#16#00;", ";"),
+    "octets of the answer before": ("#r42051[#tempIndex] := B#16#00;", ";"),
     "a REAL as a number": ("#tempFormat = 8 OR #tempFormat = 67", "#tempFormat = 67"),
     "a size": ("12, 53: #tempSize := 6;", "12, 53: #tempSize := 4;"),
     "the number of values instead of the format": (
-        "#p42051Format := #statResponseBytes[4]",
-        "#p42051Format := #statResponseBytes[5]",
+        "#r42051Format := #statResponseBytes[4]",
+        "#r42051Format := #statResponseBytes[5]",
     ),
     "of an answer that is an error": (
         "IF #diagnosis.errors[1] = W#16#0000 THEN\n      // r42051",

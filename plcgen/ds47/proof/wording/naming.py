@@ -24,8 +24,7 @@ def label_of(use: Use, number: int, first: int) -> str:
     """``P1120``, ``r945[0..7]``, ``P1030.0, .2``, with number and first index as a request has them."""
     if use.served:
         return "number[index]"
-    letter = "r" if use.parameter.access == "r" else "P"
-    text = f"{letter}{number}"
+    text = f"{use.parameter.letter}{number}"
     if use.first is not None:
         last = first + (0 if use.format.is_string else use.count - 1)
         text += f"[{first}]" if last == first else f"[{first}..{last}]"

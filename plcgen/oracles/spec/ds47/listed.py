@@ -35,11 +35,19 @@ class StatedLists:
         first = said[0]
         agreed = {key: value for key, value in first.items() if all(one.get(key) == value for one in said)}
         agreed["title"] = first["title"]
-        agreed["letter"] = "r" if any(one["letter"] == "r" for one in said) else "P"
+        letters = {one["letter"] for one in said}
+        agreed["letter"] = "r" if "r" in letters else "c" if letters == {"c"} else "P"
         if all(found) and not self._lent and all(_own(one) for one in self._asked):
             return agreed
         doubted = {*_ONLY_READ, *(["letter"] if defined else [])}
         return {key: value for key, value in agreed.items() if key not in doubted}
+
+    def read(self, number: int) -> dict[str, Any]:
+        """The same if they are whole, of this device, and all have it; nothing from lists that nobody gave."""
+        whole = all(str(one["list"]) in self._lines for one in self._asked) and all(
+            _own(one) and any(self._rows(one, number)) for one in self._asked
+        )
+        return self.facts(number) if self._asked and whole and not self._lent else {}
 
     def name_it(self, number: int) -> bool:
         """Whether all lists that are this device's own have the number."""
@@ -72,8 +80,11 @@ def _own(asked: Mapping[str, Any]) -> bool:
 
 def _speaks(of: str, object_type: str) -> bool:
     """Whether a list for some type of drive object speaks of this one."""
-    if not of or not object_type:
-        return True
+    return not of or not object_type or alike(of, object_type)
+
+
+def alike(of: str, object_type: str) -> bool:
+    """Whether two types of drive objects, or groups of them, have one in common."""
     one, other = (_GROUPS.get(name, {name}) for name in (of, object_type))
     modules = object_type == "terminal_module" and re.match("t[mb][0-9]", of) is not None
     return bool(one & other) or modules

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from plcgen.oracles.spec.ds47.listed import StatedLists
+from plcgen.oracles.spec.ds47.listed import StatedLists, alike
 from plcgen.oracles.spec.ds47.types import SHORT
 from plcgen.oracles.spec.place import NotStatedError, SpecSource
 
@@ -40,7 +40,7 @@ class WrittenParameter:
     @property
     def name(self) -> str:
         """In snake_case, for members and inputs."""
-        return str(self.facts.get("name") or f"p{self.number}")
+        return str(self.facts.get("name") or f"{'r' if self.facts.get('letter') == 'r' else 'p'}{self.number}")
 
     @property
     def type(self) -> str:
@@ -73,17 +73,27 @@ class StatedCatalogue:
             for key, facts in (profile.get("parameters") or {}).items():
                 known = self.numbers.setdefault(_number(str(key)), {})
                 known.update(_believed(facts or {}, inherited=step > 0), letter=_letter(str(key), facts or {}, known))
+        usual: Mapping[str, Any] = next(
+            (one["object_types"] for _, one in _chain(device, profiles) if one.get("object_types")), {}
+        )
+        self._unusual = bool(usual and object_type) and not alike(object_type, str(usual.get("others", "")))
         self.asking = {number: str(facts.get("dangerous") or "") for number, facts in self.numbers.items()}
         self.harmless = {number for number, facts in self.numbers.items() if facts.get("harmless")}
         self._defined = {_number(str(key)) for key in own}
         for key, facts in own.items():
             number = _number(str(key))
-            known = self.numbers.setdefault(number, self._lists.facts(number, defined=True))
+            known = self.numbers[number] = self._of_object(number) or self._lists.facts(number, defined=True)
             letter = _letter(str(key), facts or {}, known)
             known.update({name: value for name, value in (facts or {}).items() if value is not None}, letter=letter)
         self._device, self._source = str(profiles[device].get("like") or device), source
         self._own_key = device
         self.names = {facts["name"]: number for number, facts in self.numbers.items() if facts.get("name")}
+
+    def _of_object(self, number: int) -> dict[str, Any]:
+        """A row of the profiles; it gives way to the list of a type of drive object that is not the usual one."""
+        row = self.numbers.get(number, {})
+        said = self._lists.read(number) if row and self._unusual else {}
+        return {**said, **{key: row[key] for key in ("name", "dangerous", "harmless") if row.get(key)}} if said else row
 
     def has(self, number: int) -> bool:
         """Whether somebody knows that the drive has it: the spec, the profile but from memory, or a list of its own."""
@@ -127,7 +137,8 @@ class StatedCatalogue:
         first = int(match["first"] or 0)
         count = int(match["last"] or first) - first + 1
         bit = int(match["bit"]) if match["bit"] else None
-        known = self.numbers.get(number) or self._lists.facts(number) or {"letter": "r" if number in DISPLAYS else "P"}
+        known = self.numbers.get(number) if number in self._defined else self._of_object(number)
+        known = known or self._lists.facts(number) or {"letter": "r" if number in DISPLAYS else "P"}
         return WrittenParameter(text, number, first, count, indexed, bit, known)
 
 
@@ -154,10 +165,11 @@ def _number(key: str) -> int:
 
 def _letter(key: str, facts: Facts, known: Facts) -> str:
     """``r`` of a parameter that can only be read: by its key, by what is said of its access, or in every device."""
+    free = "c" if key[:1] in "cC" or known.get("letter") == "c" else "P"
     if facts.get("access"):
-        return "r" if facts["access"] == "r" else "P"
+        return "r" if facts["access"] == "r" else free
     read_only = key[:1] in "rR" or _number(key) in DISPLAYS or known.get("letter") == "r"
-    return "r" if read_only else "P"
+    return "r" if read_only else free
 
 
 def _chain(device: str, profiles: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, Mapping[str, Any]]]:

@@ -138,7 +138,7 @@ def _own(state: SpecState, key: str, device: Device, object_type: str) -> dict[i
         reference = parse_reference(text)
         if reference is None or reference.pnu is None:
             continue
-        own = parameter_from(reference.pnu, definition.model_dump(), read_only=reference.read_only)
+        own = parameter_from(reference.pnu, definition.model_dump(), text[:1])
         known = device.find(reference.pnu, object_type)
         found[reference.pnu] = own if known is None else merged(known, own)
     return found
@@ -146,7 +146,7 @@ def _own(state: SpecState, key: str, device: Device, object_type: str) -> dict[i
 
 def spelled(one: Parameter) -> str:
     """A parameter as a spec writes it."""
-    return f"{'r' if one.access == 'r' else 'P'}{one.pnu}"
+    return one.label
 
 
 def in_short(one: Parameter) -> str:
