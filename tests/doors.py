@@ -12,12 +12,12 @@ from plcgen.cli import config
 from plcgen.ds47.profile import PROFILE
 from plcgen.ds47.recording import faults as drive_faults
 from plcgen.ds47.sim.load import load_drive
-from plcgen.ppi.recording import recording as line_faults
+from plcgen.ppi import recording as line_faults
 from plcgen.ppi.sim.load import load_bus
 from plcgen.project.editor import file_schema
 from plcgen.project.loading import parse_spec
 from plcgen.report.diff import lockfile
-from plcgen.s7.compare import policyfile
+from plcgen.s7.compare import policy
 
 Door = Callable[[str], list[Diagnostic]]
 
@@ -54,7 +54,7 @@ DOORS: dict[str, Door] = {
     "drive": problems_of(load_drive),
     "station": problems_of(load_bus),
     "lock": problems_of(_lock),
-    "policy": problems_of(lambda text: load_document(text, "policy.yaml", policyfile.POLICY)),
+    "policy": problems_of(lambda text: load_document(text, "policy.yaml", policy.POLICY)),
     "drive faults": problems_of(lambda text: load_document(text, "f.yaml", drive_faults._FILE, {"drives": ["d"]})),
     "line faults": problems_of(lambda text: load_document(text, "f.yaml", line_faults._FILE)),
     "config": problems_of(lambda text: load_document(text, config.NAME, config._SHAPE)),

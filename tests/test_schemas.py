@@ -26,7 +26,7 @@ from plcgen.ds47.sim.load import load_drive
 from plcgen.ppi.sim.load import load_bus
 from plcgen.report.diff.lockfile import read_lock
 from plcgen.report.registry import output_format
-from plcgen.s7.compare.policyfile import load_policy
+from plcgen.s7.compare.policy import load_policy
 from tests.projects import FAQ, ROOT, generated_example
 
 

@@ -21,9 +21,9 @@ from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity
 from plcgen.cli.config import load_config
 from plcgen.ds47.recording.faults import plan_faults
 from plcgen.ds47.sim.load import load_drive
-from plcgen.ppi.recording.recording import read_faults
+from plcgen.ppi.recording import read_faults
 from plcgen.ppi.sim.load import load_bus
-from plcgen.s7.compare.policyfile import load_policy
+from plcgen.s7.compare.policy import load_policy
 from tests import wrong_shapes
 from tests.projects import MM4, ROOT
 from tests.yaml_files import read_yaml

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
         explain,
     )
     from plcgen.s7.tables.tables import LayoutResult
-    from plcgen.s7.types.families import Family
+    from plcgen.s7.types.system import Family
 
 __all__ = [
     "SPEC_SUFFIXES",
@@ -72,7 +72,7 @@ _TELEGRAMS = frozenset(
 )
 
 _ELSEWHERE = {
-    "Family": "plcgen.s7.types.families",
+    "Family": "plcgen.s7.types.system",
     "LayoutResult": "plcgen.s7.tables.tables",
     "schema": "plcgen.api.schemas",
 }

@@ -45,8 +45,7 @@ def _profile() -> dict[str, Any]:
 
 def _policy() -> dict[str, Any]:
     from plcgen.project.editor import file_schema
-    from plcgen.s7.compare.policy import KINDS
-    from plcgen.s7.compare.policyfile import Policy
+    from plcgen.s7.compare.policy import KINDS, Policy
 
     found = file_schema("policy", "Which class a kind of change has for you.", Policy)
     return {**found, "propertyNames": {"enum": list(KINDS)}}
@@ -60,7 +59,7 @@ def _lock() -> dict[str, Any]:
 
 def _faults() -> dict[str, Any]:
     from plcgen.ds47.recording.faults import DriveFaults
-    from plcgen.ppi.recording.recording import LineFaults
+    from plcgen.ppi.recording import LineFaults
     from plcgen.project.editor import file_schema
 
     text = "Faults of drives or of a PPI line for simulate: a list, or the key faults of a mapping."

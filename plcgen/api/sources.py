@@ -12,7 +12,7 @@ from plcgen.api.project import problems_of
 from plcgen.base.diagnostics import Diagnostic, Report, Span, has_errors
 from plcgen.base.files.files import YAML_SUFFIXES
 from plcgen.s7.tables.tables import BlockTable, LayoutResult
-from plcgen.s7.types.families import FAMILIES, Family
+from plcgen.s7.types.system import FAMILIES, Family
 
 if TYPE_CHECKING:
     from plcgen.proof.checks import Verification

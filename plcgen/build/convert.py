@@ -23,7 +23,7 @@ from plcgen.s7.xml.reading.sd import sd_document
 from plcgen.s7.xml.reading.source import KEYWORDS, SUFFIXES, is_array_db, source
 from plcgen.s7.xml.versions import VERSIONS
 from plcgen.s7.xml.writing.documents import Setting, document, library_element
-from plcgen.s7.xml.writing.scope import BlockScope
+from plcgen.s7.xml.writing.elements import BlockScope
 from plcgen.s7.xml.writing.structured_text import elements, numbered
 
 Target = Literal["scl", "xml", "sd"]

@@ -21,7 +21,7 @@ from plcgen.project.nouns import Frame
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.xml.versions import VERSIONS
 from plcgen.s7.xml.writing.documents import Setting
-from plcgen.s7.xml.writing.twin import code_document, instance_document
+from plcgen.s7.xml.writing.structured_text import code_document, instance_document
 
 RECORD_NOTE = "the call form of WRREC and RDREC is inferred; no genuine export was available to compare with"
 VERSION_NOTE = "no genuine export of this TIA Portal version was available to compare with"

@@ -249,11 +249,12 @@ def _documents(paths: tuple[Path, ...]) -> list[Path]:
 
 def _symbol_tables(paths: Sequence[Path]) -> list[Path]:
     """Symbol tables of STEP 7 V5 below the folders that are named; what only has the suffix is left alone."""
-    from plcgen.s7.read.files import MAX_SEEN
-    from plcgen.s7.read.symbols import SUFFIXES, read_rows
+    from plcgen.s7.read.files import MAX_SEEN, SYMBOL_SUFFIXES, read_rows
 
     below = (file for path in paths if path.is_dir() for file in islice(path.rglob("*"), MAX_SEEN))
-    return [file for file in sorted(file for file in below if file.suffix.lower() in SUFFIXES) if read_rows(file)[0]]
+    return [
+        file for file in sorted(file for file in below if file.suffix.lower() in SYMBOL_SUFFIXES) if read_rows(file)[0]
+    ]
 
 
 def _programs(
@@ -266,8 +267,7 @@ def _programs(
     encoding: str | None,
 ) -> tuple[list[Subject], int]:
     """The sources of each PLC together; what has no place belongs to the first one."""
-    from plcgen.s7.cpu.folder import Tags, read_tag_file
-    from plcgen.s7.cpu.sources import check_program
+    from plcgen.s7.cpu.sources import Tags, check_program, read_tag_file
     from plcgen.s7.cpu.type_rules import IecCheck
     from plcgen.s7.read.plcs import by_plc
     from plcgen.s7.scl.dialect import BY_NAME

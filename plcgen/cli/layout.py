@@ -10,7 +10,7 @@ import click
 from plcgen.base.diagnostics.counting import quantity
 from plcgen.cli.options import PATH, console, format_option, output_option, verb
 from plcgen.cli.output import OK, PROBLEMS
-from plcgen.s7.types.families import FAMILIES
+from plcgen.s7.types.system import FAMILIES
 
 if TYPE_CHECKING:
     from plcgen.api import Family

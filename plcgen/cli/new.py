@@ -10,7 +10,7 @@ import click
 from plcgen.cli.completed import toolchains
 from plcgen.cli.options import PATH, console, device_option, force_option, verb
 from plcgen.cli.output import OK
-from plcgen.s7.types.families import FAMILIES
+from plcgen.s7.types.system import FAMILIES
 from plcgen.workbench.starter import FAQ_DEVICE, FAQ_FAMILY, KINDS, RECIPES, faq_starter, ppi_starter, starter, usable
 
 if TYPE_CHECKING:

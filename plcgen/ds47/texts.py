@@ -33,7 +33,7 @@ def real_note(data: bytes) -> str:
     (number,) = struct.unpack(">f", data)
     if number == 0 or not math.isfinite(number):
         return ""
-    from plcgen.s7.types.spelling import format_real
+    from plcgen.s7.types.literals import format_real
 
     return f"as REAL {format_real(number)}"
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from plcgen.build.sheet import ReviewSheet
     from plcgen.ppi.plan.nouns import PpiPlan
     from plcgen.ppi.proof.suite import PpiProof
-    from plcgen.ppi.recording.recording import PpiRecording
+    from plcgen.ppi.recording import PpiRecording
     from plcgen.project.nouns import Buffer, BufferField
     from plcgen.project.numbering import Numbering
     from plcgen.project.part import Rules
@@ -67,7 +67,7 @@ class Ppi:
 
     def documents(self, plan: PpiPlan) -> Contribution:
         """Blocks, tables and pages."""
-        from plcgen.ppi.views.documents import contribution
+        from plcgen.ppi.views.program import contribution
 
         return contribution(plan)
 
@@ -125,7 +125,7 @@ class Ppi:
 
     def recording(self, plan: PpiPlan) -> PpiRecording | None:
         """Stations in a simulated run."""
-        from plcgen.ppi.recording.recording import PpiRecording
+        from plcgen.ppi.recording import PpiRecording
 
         return PpiRecording(plan) if plan.jobs else None
 

@@ -9,8 +9,8 @@ from dataclasses import replace
 from plcgen.base.telegrams.dissection import ByteField
 from plcgen.build.sheet import ExchangeSheet, JobInstance, Message, MessageField, ReviewSheet, Role, WriteEntry
 from plcgen.ppi.plan.nouns import LEAD, PlannedMaster, PpiField, PpiJob, PpiPlan, PpiTelegram, PpiValue
-from plcgen.ppi.views.documents import written_value
-from plcgen.ppi.views.rows import FIELD_TEXTS
+from plcgen.ppi.views.program import written_value
+from plcgen.ppi.views.values import FIELD_TEXTS
 from plcgen.ppi.wire.dissect import dissect
 from plcgen.project.nouns import Buffer, BufferField
 from plcgen.s7.compare.model import DriveState, JobItem, JobState, TelegramState
@@ -133,7 +133,14 @@ def _exchange(master: PlannedMaster, job: PpiJob, telegram: PpiTelegram, number:
     answers: list[Message] = []
     lengths = [("telegram", f"{len(request.data)} bytes"), ("table", f"{request.size} bytes")]
     if response is not None:
-        answers.append(Message("reply, every item good", response.home, response.size, _reply(response)))
+        answers.append(
+            Message(
+                "reply, every item good",
+                response.home,
+                response.size,
+                tuple(_field(response, field, (None,) * field.size, "") for field in response.fields),
+            )
+        )
         lengths.append(("response DB", f"{response.size} bytes"))
     table = Message("telegram table", request.home, request.size, _table(request))
     key, block, count = _key(master, job), master.block.name, len(job.telegrams)
@@ -147,10 +154,6 @@ def _table(buffer: Buffer[PpiField]) -> tuple[MessageField, ...]:
         _field(buffer, field, tuple(image[field.offset : field.offset + field.size]), values.get(field.offset, ""))
         for field in buffer.fields
     )
-
-
-def _reply(buffer: Buffer[PpiField]) -> tuple[MessageField, ...]:
-    return tuple(_field(buffer, field, (None,) * field.size, "") for field in buffer.fields)
 
 
 def _field(buffer: Buffer[PpiField], field: PpiField, data: tuple[int | None, ...], value: str) -> MessageField:

@@ -45,30 +45,26 @@ def checks(plan: PpiPlan) -> Iterator[Diagnostic]:
     yield from _ports(plan)
     yield from _control_members(plan)
     for master in plan.masters:
-        yield from _addresses(plan, master)
+        # PG235: two stations, or a station and the master, have one address
+        first: dict[int, tuple[str, Span]] = {}
+        own = key_or_value(plan, (*master.path, "own_address"))
+        first[master.own_address] = ("the master itself", own)
+        for station in master.stations:
+            span = plan.loaded.span((*station.path, "address"))
+            earlier = first.setdefault(station.address, (f'station "{station.key}"', span))
+            if earlier[1] is not span:
+                yield Diagnostic(
+                    "PG235",
+                    f'station "{station.key}" has the address {station.address}, which is also that of {earlier[0]}',
+                    span,
+                    help="every station and master on a line needs an address of its own",
+                    notes=(Note("first use", earlier[1]),),
+                )
         yield from _pins(plan, master)
         yield from _waits(plan, master)
         yield from _times(plan, master)
         for job in master.jobs:
             yield from _members(plan, job)
-
-
-def _addresses(plan: PpiPlan, master: PlannedMaster) -> Iterator[Diagnostic]:
-    """PG235: two stations, or a station and the master, have one address."""
-    first: dict[int, tuple[str, Span]] = {}
-    own = key_or_value(plan, (*master.path, "own_address"))
-    first[master.own_address] = ("the master itself", own)
-    for station in master.stations:
-        span = plan.loaded.span((*station.path, "address"))
-        earlier = first.setdefault(station.address, (f'station "{station.key}"', span))
-        if earlier[1] is not span:
-            yield Diagnostic(
-                "PG235",
-                f'station "{station.key}" has the address {station.address}, which is also that of {earlier[0]}',
-                span,
-                help="every station and master on a line needs an address of its own",
-                notes=(Note("first use", earlier[1]),),
-            )
 
 
 def _ports(plan: PpiPlan) -> Iterator[Diagnostic]:

@@ -16,7 +16,7 @@ from plcgen.base.files.validation import StrictModel, problem
 from plcgen.project.editor import DURATION
 from plcgen.project.target import toolchain_id
 from plcgen.project.variables import NAME
-from plcgen.s7.types.families import Family
+from plcgen.s7.types.system import Family
 
 Toolchain = Literal[
     "step7-v5", "tia-v13sp1", "tia-v14", "tia-v14sp1", "tia-v15", "tia-v15.1",

@@ -8,8 +8,8 @@ from plcgen.project.nouns import Project
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.standins import stand_ins
 from plcgen.s7.cpu.cpu import Cpu
-from plcgen.s7.cpu.folder import load_folder
 from plcgen.s7.cpu.program import Program
+from plcgen.s7.cpu.sources import load_folder
 
 _SCANS = 4
 """In the first scans after a start blocks initialise themselves."""

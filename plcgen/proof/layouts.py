@@ -16,7 +16,7 @@ from plcgen.proof.suite import LaidOut
 from plcgen.s7.layout.layout import Layout, layout_block
 from plcgen.s7.types.blocks import Block
 from plcgen.s7.types.data_types import DataType, Elementary
-from plcgen.s7.types.spelling import type_text
+from plcgen.s7.types.literals import type_text
 
 TELEGRAM, TEXT, XML = "telegram", "text source", "SimaticML"
 """The three sources, as messages name them; the last two are laid out by one engine."""

@@ -12,8 +12,8 @@ from plcgen.project.nouns import BlockRef, Project
 from plcgen.proof.scenario import ScenarioError
 from plcgen.proof.standins import stand_ins
 from plcgen.s7.cpu.cpu import Cpu
-from plcgen.s7.cpu.folder import FolderParts, read_parts
 from plcgen.s7.cpu.program import Program
+from plcgen.s7.cpu.sources import FolderParts, read_parts
 from plcgen.s7.layout.image import Tree
 from plcgen.s7.layout.layout import Layout, locate
 from plcgen.s7.types.data_types import Elementary

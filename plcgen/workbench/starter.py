@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from plcgen.s7.types.families import FAMILIES
+from plcgen.s7.types.system import FAMILIES
 
 if TYPE_CHECKING:
     from plcgen.ds47.device import Device, Parameter

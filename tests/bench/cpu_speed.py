@@ -15,8 +15,8 @@ from pathlib import Path
 from plcgen import api
 from plcgen.s7.cpu.compiler.block import compile_block
 from plcgen.s7.cpu.cpu import Cpu
-from plcgen.s7.cpu.folder import load_folder
 from plcgen.s7.cpu.program import Program
+from plcgen.s7.cpu.sources import load_folder
 from plcgen.s7.scl.dialect import Dialect
 
 ROOT = Path(__file__).resolve().parents[2]

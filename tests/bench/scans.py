@@ -16,9 +16,9 @@ from plcgen.ds47.sim.bench import build_drive
 from plcgen.ds47.sim.drive import Drive
 from plcgen.project.opening import open_spec
 from plcgen.s7.cpu.cpu import Cpu
-from plcgen.s7.cpu.folder import load_folder
 from plcgen.s7.cpu.program import Program
-from plcgen.s7.cpu.system.bus import Periphery
+from plcgen.s7.cpu.sources import load_folder
+from plcgen.s7.cpu.system.port import Periphery
 from plcgen.s7.scl.dialect import Dialect
 
 BUSY = (0, 1, 2, 5)

@@ -16,7 +16,7 @@ from plcgen.s7.types.data_types import ELEMENTARY, Member
 from plcgen.s7.xml.reading.documents import read_simaticml
 from plcgen.s7.xml.versions import VERSIONS
 from plcgen.s7.xml.writing.documents import Setting, document
-from plcgen.s7.xml.writing.scope import BlockScope
+from plcgen.s7.xml.writing.elements import BlockScope
 from plcgen.s7.xml.writing.structured_text import elements, numbered
 
 ROOT = Path(__file__).resolve().parents[2]

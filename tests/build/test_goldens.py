@@ -12,7 +12,7 @@ from plcgen import api
 from plcgen.s7.layout.layout import layout_block
 from plcgen.s7.read.text import read_source
 from plcgen.s7.types.data_types import StructType
-from plcgen.s7.xml.datatypes import declared_name
+from plcgen.s7.xml.spelling import declared_name
 from tests.projects import FAQ, MM4, ROOT, SPECS, TARGETS, every_type, generated_example, retargeted
 from tests.xsd_support import validate_islands
 

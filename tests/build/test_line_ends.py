@@ -10,7 +10,7 @@ import pytest
 
 from plcgen import api
 from plcgen.base.files.hashes import has_digest, same_text, text_digest
-from plcgen.s7.cpu.folder import read_tags
+from plcgen.s7.cpu.sources import read_tags
 from tests.projects import FAQ, ROOT
 
 V5 = ROOT / "specs" / "s7-300_mm440_dp.yaml"

@@ -10,7 +10,7 @@ from plcgen.base.line.tcp import TcpServer
 from plcgen.cli.ppi import SECTIONS
 from plcgen.cli.ppi.capture import Capture, capture_of
 from plcgen.ppi.sim import Bus, Station
-from plcgen.ppi.sim.fault_text import parse_fault
+from plcgen.ppi.sim.faults import parse_fault
 from plcgen.ppi.sim.serve import Serving
 from tests.ppi.vectors import FRAMES
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from plcgen.s7.cpu.instructions import State, states
 from plcgen.s7.scl.instructions import S7_300, S7_1500, documented
+from tests.docs.instructions import State, states
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "instructions.md"
 HEAD = """# Instructions

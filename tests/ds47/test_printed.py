@@ -13,8 +13,8 @@ from plcgen.ds47.plan.nouns import DrivePlan
 from plcgen.ds47.wire.dissect import dissect_request, dissect_response, looks_like
 from plcgen.project.opening import open_spec
 from plcgen.s7.cpu.cpu import Cpu
-from plcgen.s7.cpu.folder import load_folder
-from plcgen.s7.cpu.system.bus import Periphery
+from plcgen.s7.cpu.sources import load_folder
+from plcgen.s7.cpu.system.port import Periphery
 from plcgen.s7.scl.dialect import Dialect
 from tests.yaml_files import read_yaml
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from plcgen.proof.rig import Members, Source, layout_of
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.memory import Memory
-from plcgen.s7.cpu.system.bus import Periphery
+from plcgen.s7.cpu.system.port import Periphery
 from plcgen.s7.layout.layout import locate
 from tests.engine.errands import Errand, drive_for, parameter_bytes, random_values, store
 from tests.engine.partner import DirectedDrive

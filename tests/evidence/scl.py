@@ -21,13 +21,20 @@ from typing import Any
 
 from plcgen.base.diagnostics import Diagnostic, Severity
 from plcgen.build.convert import convert
-from plcgen.s7.cpu.folder import Tags, read_tag_file
 from plcgen.s7.cpu.program import Program
-from plcgen.s7.cpu.sources import SourceCheck, check_program, check_source, find_documents, find_sources
+from plcgen.s7.cpu.sources import (
+    SourceCheck,
+    Tags,
+    check_program,
+    check_source,
+    find_documents,
+    find_sources,
+    read_tag_file,
+)
 from plcgen.s7.cpu.surroundings import Surroundings
 from plcgen.s7.cpu.type_rules import IecCheck
+from plcgen.s7.read.files import SYMBOL_SUFFIXES
 from plcgen.s7.read.plcs import by_plc
-from plcgen.s7.read.symbols import SUFFIXES
 from plcgen.s7.read.text import load_text
 from plcgen.s7.scl.dialect import BY_NAME, Dialect
 from plcgen.s7.scl.parser import ParseResult, parse
@@ -193,7 +200,7 @@ def _programs(place: Path, paths: list[Path], target: Dialect, judged: Judged, f
     known = judged.repositories.get(name, {})
     documents = find_documents(place)
     tags: Tags = {}
-    for table in sorted(path for path in place.rglob("*") if path.suffix.lower() in SUFFIXES):
+    for table in sorted(path for path in place.rglob("*") if path.suffix.lower() in SYMBOL_SUFFIXES):
         tags |= read_tag_file(table)
     checked = partial(check_program, target=target, tags=tags, documents=documents)
     documented = Surroundings.read(documents, target).stated

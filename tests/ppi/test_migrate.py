@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from plcgen import api
 from plcgen.base.diagnostics import DiagnosticError
-from plcgen.ppi.migration.places import MAX_SYMBOLS, load_types, migrate
-from plcgen.ppi.migration.sources import files
+from plcgen.ppi.migration import MAX_SYMBOLS, files, load_types, migrate
 from plcgen.ppi.symbols import parse_symbols
 from plcgen.s7.cpu.testing import load_scl
 

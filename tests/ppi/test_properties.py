@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.ppi.wire.description import FrameText
-from plcgen.ppi.wire.dissect import dissect, title
+from plcgen.ppi.wire.dissect import FrameText, dissect, title
 from plcgen.ppi.wire.errors import PpiError
 from plcgen.ppi.wire.fdl import checksum, decode_frame, encode_frame
 from plcgen.ppi.wire.model import VariableFrame

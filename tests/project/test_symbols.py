@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.s7.cpu.folder import Tags, read_tag_file
-from plcgen.s7.cpu.sources import check_program, find_sources
+from plcgen.s7.cpu.sources import Tags, check_program, find_sources, read_tag_file
 from plcgen.s7.scl.dialect import Dialect
 
 TARGETS = {

@@ -11,7 +11,7 @@ import pytest
 from plcgen import api
 from plcgen.base.diagnostics import Report
 from plcgen.ppi.plan.nouns import PpiPlan
-from plcgen.ppi.proof.calls import spread
+from plcgen.ppi.proof.scenarios import spread
 from plcgen.ppi.review import buffers
 from plcgen.project.loading import load_spec
 from plcgen.project.nouns import Project

@@ -19,7 +19,7 @@ from plcgen.report.registry import output_format
 from plcgen.s7.layout.evidence import RULES
 from plcgen.s7.read.text import parse_source
 from plcgen.s7.tables.declared import block_tables
-from plcgen.s7.tables.grid import cell_title, grid
+from plcgen.s7.tables.pictures import cell_title, grid
 from plcgen.s7.tables.tables import LayoutResult, letter, size_text
 from tests.projects import FAQ
 

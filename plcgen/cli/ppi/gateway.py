@@ -57,8 +57,7 @@ def command(*, tcp: str, writable: tuple[str, ...], idle: float, as_json: bool, 
     forcing and everything else never. Nothing is encrypted, and nobody is asked who he is: whoever reaches the port
     reads.
     """
-    from plcgen.ppi.gateway.passing import Allowed, Passing
-    from plcgen.ppi.gateway.server import Gateway
+    from plcgen.ppi.gateway import Allowed, Gateway, Passing
     from plcgen.ppi.wire.address import PpiAddressError
 
     out = console()
@@ -111,7 +110,7 @@ class _Show:
 
     def wrote(self, who: str, what: str, result: str) -> None:
         """One write, passed on or not."""
-        from plcgen.ppi.log.rows import iso
+        from plcgen.ppi.log.files import iso
 
         now = iso(time.time())
         who = who.removeprefix("socket://")

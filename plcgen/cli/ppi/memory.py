@@ -42,7 +42,7 @@ def backup(*, words: tuple[str, ...], symbols: str | None, output: Path | None, 
     existing file is never replaced without --force.
     """
     from plcgen.ppi.backup import back_up, require_bytes
-    from plcgen.ppi.log.rows import iso
+    from plcgen.ppi.log.files import iso
 
     out = console()
     try:

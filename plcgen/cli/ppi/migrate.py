@@ -15,7 +15,7 @@ from plcgen.cli.ppi.connection import ask
 if TYPE_CHECKING:
     from plcgen.base.display.results import Answer
     from plcgen.base.display.view import View
-    from plcgen.ppi.migration.places import Migration
+    from plcgen.ppi.migration import Migration
     from plcgen.report.registry import OutputFormat
 
 _SHOWN = 20
@@ -47,8 +47,7 @@ def command(*, table: Path, types: Path | None, folder: Path | None, format_: Ou
     written or none.
     """
     from plcgen.build.writing import add_files
-    from plcgen.ppi.migration.places import load_types, migrate
-    from plcgen.ppi.migration.sources import files
+    from plcgen.ppi.migration import files, load_types, migrate
     from plcgen.ppi.symbols import load_symbols
 
     target = folder or table.with_name(f"{table.stem}_s7-1200")
@@ -64,7 +63,7 @@ def command(*, table: Path, types: Path | None, folder: Path | None, format_: Ou
 def _answer(plan: Migration, target: Path, written: tuple[str, ...]) -> Answer:
     from plcgen.base.display.data import diagnostics_data
     from plcgen.base.display.results import Answer
-    from plcgen.ppi.migration.sources import LIST, row
+    from plcgen.ppi.migration import LIST, row
 
     rows = [row(each) for each in plan.symbols]
     ways = Counter(each.way for each in plan.symbols)

@@ -83,7 +83,7 @@ def _bus(
     from plcgen.base.diagnostics import DiagnosticError, Report
     from plcgen.base.files.text import read_text
     from plcgen.ppi.sim.bus import Bus
-    from plcgen.ppi.sim.fault_text import parse_fault
+    from plcgen.ppi.sim.faults import parse_fault
     from plcgen.ppi.sim.load import load_bus, set_address
     from plcgen.ppi.wire.address import address_text
 
@@ -136,7 +136,7 @@ class _Show:
     """What the verb says: the name of the line, frames if wanted, and chatter."""
 
     def __init__(self, out: Console, *, as_json: bool, log: bool) -> None:
-        from plcgen.ppi.traffic import TrafficText
+        from plcgen.ppi.texts import TrafficText
 
         self.out, self.as_json, self.log = out, as_json, log
         self.text = TrafficText()

@@ -26,7 +26,7 @@ from plcgen.proof.rig import Members
 from plcgen.proof.scenario import IDLE, RUNNING, STARTED, ScenarioError
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.program import Program
-from plcgen.s7.cpu.system.bus import Periphery
+from plcgen.s7.cpu.system.port import Periphery
 from plcgen.s7.cpu.system.record import PLACES
 
 SIGNALS = ("execute", "busy", "done", "error", "status")

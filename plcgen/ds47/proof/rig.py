@@ -23,7 +23,7 @@ from plcgen.ds47.wire.formats import unpack_values
 from plcgen.proof.rig import Members, Source
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.program import Program
-from plcgen.s7.cpu.system.bus import Periphery
+from plcgen.s7.cpu.system.port import Periphery
 
 SIGNALS = ("execute", "busy", "done", "error", "status", "driveObject", "slot")
 DIAGNOSIS = ("recordStatus", "retries", "errors", "errorInfos")

@@ -25,7 +25,7 @@ from plcgen.ds47.words import DRAIN_MS
 from plcgen.report.trace.face import FaultKind, Observed, PartnerOptions, PartnerValue
 from plcgen.report.trace.model import Contact
 from plcgen.report.trace.recorder import SHAPES, RecordingCpu
-from plcgen.s7.cpu.system.bus import Periphery
+from plcgen.s7.cpu.system.port import Periphery
 from plcgen.s7.cpu.system.record import RecordJob
 
 _PUT = re.compile(

@@ -15,8 +15,7 @@ from typing import Literal
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.base.line import Line
-from plcgen.ppi.client.heard import Heard, HeardKind
-from plcgen.ppi.client.known import KnownReplies
+from plcgen.ppi.client.heard import Heard, HeardKind, KnownReplies
 from plcgen.ppi.wire.areas import Area, Function
 from plcgen.ppi.wire.codes import function_text, header_error
 from plcgen.ppi.wire.errors import TOLERABLE

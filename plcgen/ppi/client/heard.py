@@ -1,4 +1,7 @@
-"""What was heard while an answer was waited for: the evidence behind "no answer", so that it names the right cause."""
+"""What was heard while an answer was waited for, so that "no answer" names the right cause; answers known from before.
+
+Everything but the values is compared with an answer that was examined and found right, so nothing else gets through.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,9 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from plcgen.base.diagnostics.counting import quantity
+from plcgen.ppi.wire.areas import SizeCode
 from plcgen.ppi.wire.fdl import LEAST_LENGTH, MOST_LENGTH, SD2
+from plcgen.ppi.wire.model import ItemResult, ReadReply
 
 _HEAD = 6
 """Bytes of an SD2 frame that tell whose it is: 68 LE LE 68 DA SA."""
@@ -80,3 +85,54 @@ def begins(data: bytes, own: int, station: int) -> bool:
         and LEAST_LENGTH <= data[1] == data[2] <= MOST_LENGTH
         and (data[4], data[5]) == (own, station)
     )
+
+
+_MOST = 256
+_DATA, _HEADER = 14, 4
+"""Where the items of an answer begin, and the bytes in front of a value."""
+_VALUES = frozenset({SizeCode.WORDS, SizeCode.OCTETS})
+
+
+@dataclass(frozen=True, slots=True)
+class KnownReply:
+    """An answer without reference and values: ``fixed`` are places and bytes of the rest, ``values`` lie between."""
+
+    size: int
+    fixed: tuple[tuple[int, int, bytes], ...]
+    values: tuple[tuple[int, int, int, int], ...]
+
+    def read(self, pdu: bytes, reference: int) -> ReadReply | None:
+        """The answer, None if it must be examined."""
+        if len(pdu) != self.size or any(pdu[first:end] != data for first, end, data in self.fixed):
+            return None
+        return ReadReply(
+            reference, tuple([ItemResult(code, pdu[first:end], size) for first, end, code, size in self.values])
+        )
+
+
+class KnownReplies:
+    """Layouts of answers by the request without its reference."""
+
+    def __init__(self) -> None:
+        self._known: dict[bytes, KnownReply] = {}
+
+    def find(self, request: bytes) -> KnownReply | None:
+        """What the answer to a request looked like."""
+        return self._known.get(request[6:])
+
+    def keep(self, request: bytes, pdu: bytes, reply: ReadReply) -> None:
+        """Keep what an examined answer looks like; bits are examined each time, as not every byte is one."""
+        if any(not result.ok or result.size_code not in _VALUES for result in reply.results):
+            return
+        at, before = _DATA, 6
+        fixed, values = [(0, 4, pdu[:4])], []
+        for result in reply.results:
+            first, end = at + _HEADER, at + _HEADER + len(result.data)
+            fixed.append((before, first, pdu[before:first]))
+            values.append((first, end, result.code, result.size_code))
+            before, at = end, end + len(result.data) % 2
+        if before < len(pdu):
+            fixed.append((before, len(pdu), pdu[before:]))
+        if len(self._known) >= _MOST:
+            self._known.clear()
+        self._known[request[6:]] = KnownReply(len(pdu), tuple(fixed), tuple(values))

@@ -221,7 +221,7 @@ def text_of(value: Value, type_: str = "") -> str:
     if isinstance(value, bool):
         return "1" if value else "0"
     if isinstance(value, float):
-        from plcgen.s7.types.spelling import format_real
+        from plcgen.s7.types.literals import format_real
 
         return format_real(value) if math.isfinite(value) else str(value)
     return f"'{value}'" if isinstance(value, str) else str(value)

@@ -16,8 +16,7 @@ from typing import Literal
 
 from plcgen.base.diagnostics.counting import quantity
 from plcgen.base.replacing import place
-from plcgen.ppi.log.files import LogFile
-from plcgen.ppi.log.rows import Row, State
+from plcgen.ppi.log.files import LogFile, Row, State
 
 MOST_WAITING = 100_000
 """Rows that wait for room on the disk: more than a day at one per second."""
@@ -122,12 +121,8 @@ class Keeper:
             return file
         file.close()
         self._file = None
-        self._put_aside(re.sub(r"[^0-9T]", "", file.first[:19]))
-        self._file = self._open(self._path)
-        return self._file
-
-    def _put_aside(self, stamp: str) -> None:
-        """Give the file the name of its first row's time, and remove the oldest ones if only some are to stay."""
+        stamp = re.sub(r"[^0-9T]", "", file.first[:19])
+        # give the file the name of its first row's time, and remove the oldest ones if only some are to stay
         path = self._path
         for number in range(_TRIES):
             mark = f"-{number}" if number else ""
@@ -143,6 +138,8 @@ class Keeper:
             old = sorted(each for each in path.parent.iterdir() if ours.fullmatch(each.name))
             for each in old[: max(0, len(old) - self._rotation.keep)]:
                 each.unlink()
+        self._file = self._open(self._path)
+        return self._file
 
     def close(self) -> bool:
         """Write what waits and close the file; whether all of it is on the disk."""

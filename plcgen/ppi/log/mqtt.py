@@ -22,7 +22,7 @@ from plcgen.base.display.cells import clean
 from plcgen.base.line.model import CANNOT_OPEN, MISSING_PACKAGE, LineError
 from plcgen.ppi.client.texts import plain
 from plcgen.ppi.client.values import Value
-from plcgen.ppi.log.rows import Channel, Row
+from plcgen.ppi.log.files import Channel, Row
 
 MOST_WAITING = 10_000
 """Messages that wait for the broker; then the oldest give way."""

@@ -15,8 +15,7 @@ from plcgen.ppi.wire.areas import OCTETS, Area, TransportSize
 from plcgen.ppi.wire.model import Item
 from plcgen.project.spec import LoadedSpec, SpecPath
 from plcgen.project.target import Target
-from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, DataType, Elementary
-from plcgen.s7.types.errors import UnfitValueError
+from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, DataType, Elementary, UnfitValueError
 from plcgen.s7.types.names import RESERVED, TIA_LIMIT, V5_LIMIT, camel_case, shorten
 from plcgen.s7.types.values import keeps, pack_value, unpack_value
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue
-from plcgen.ppi.proof.replies import Bend, Edit
+from plcgen.ppi.proof.scenario import Bend, Edit
 from plcgen.ppi.proof.words import WORDS
 from plcgen.ppi.sim import Bus as Line
 from plcgen.ppi.sim import Station
@@ -18,8 +18,7 @@ from plcgen.ppi.wire.model import Item, VariableFrame
 from plcgen.proof.rig import Members, Source, Spot
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.program import Program
-from plcgen.s7.cpu.system.bus import Periphery
-from plcgen.s7.cpu.system.port import UNSET, Port, PortSettings
+from plcgen.s7.cpu.system.port import UNSET, Periphery, Port, PortSettings
 
 ACKNOWLEDGED = b"\xe5"
 CHARACTER_MS = 2

@@ -1,4 +1,4 @@
-"""What PPI masters contribute to verification."""
+"""What PPI masters contribute to verification, and what a green one rests on."""
 
 from __future__ import annotations
 
@@ -7,13 +7,8 @@ from pathlib import Path
 
 from plcgen.base.diagnostics import Span
 from plcgen.base.diagnostics.counting import quantity, shortlist
-from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan
-from plcgen.ppi.proof.calls import cpu_scenarios, pace_scenarios
+from plcgen.ppi.plan.nouns import PlannedMaster, PlannedStation, PpiJob, PpiPlan
 from plcgen.ppi.proof.conduct import MasterConduct
-from plcgen.ppi.proof.ledger import ledger
-from plcgen.ppi.proof.line_scenarios import in_the_pause, line_scenarios
-from plcgen.ppi.proof.module_scenarios import hangs, module_scenarios
-from plcgen.ppi.proof.reply_scenarios import ready, refusals, wrong_replies
 from plcgen.ppi.proof.rig import MasterRig
 from plcgen.ppi.proof.scenario import (
     CHARACTER_BITS,
@@ -27,25 +22,145 @@ from plcgen.ppi.proof.scenario import (
     lost_once,
     reply_length,
 )
-from plcgen.ppi.proof.stated.checks import stated_checks
-from plcgen.ppi.proof.telegrams import check_telegrams
+from plcgen.ppi.proof.scenarios import (
+    cpu_scenarios,
+    hangs,
+    in_the_pause,
+    line_scenarios,
+    module_scenarios,
+    pace_scenarios,
+    ready,
+    refusals,
+    wrong_replies,
+)
+from plcgen.ppi.proof.stated.times import stated_checks
+from plcgen.ppi.proof.tables import check_telegrams
 from plcgen.ppi.proof.together import ROW, procedures
 from plcgen.ppi.proof.wording import PpiWording
 from plcgen.ppi.proof.words import CLOCK_END, WORDS, State
-from plcgen.ppi.wire.areas import Function
+from plcgen.ppi.wire.areas import Area, Function
 from plcgen.project.nouns import BufferField
 from plcgen.proof.checks import Check, CheckGroup, Outcome
 from plcgen.proof.conditions import STATE, Premise
 from plcgen.proof.coverage import NO_OTHER
 from plcgen.proof.effort import Faults
 from plcgen.proof.folder import Folder
-from plcgen.proof.ledger import Assumption
+from plcgen.proof.ledger import Assumption, Grade
 from plcgen.proof.making import make_checks
 from plcgen.proof.rig import shown_value
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import Failure, Statistics
 from plcgen.proof.suite import CodeBlock, LaidOut, Procedure, Progress, Reads
 from plcgen.s7.cpu.program import Program
+
+_RECORDED = "telegrams between STEP 7-Micro/WIN and a CPU 226"
+_LIBNODAVE = "libnodave, nodave.h and testPPI"
+_FDL = "EN 50170 volume 2 (FDL)"
+_HELP = "TIA Portal information system"
+_CP341 = "manual CP 341, A5E02191071-01, table 6-15"
+_NOBODY = "no document was found"
+_AREAS = {
+    **dict.fromkeys((Area.I, Area.Q, Area.M, Area.V, Area.SM), (_RECORDED, Grade.OBSERVED)),
+    **dict.fromkeys((Area.T, Area.C, Area.AI, Area.AQ, Area.SYS), (_LIBNODAVE, Grade.SECOND)),
+    **dict.fromkeys((Area.S, Area.HC), (_NOBODY, Grade.GENERAL)),
+}
+"""Who has seen or printed an address of an area on the line."""
+_SERVICES = {
+    "read": "function 04h: items of 12 bytes; the reply has return code, size code and length for each",
+    "write": "function 05h: the items, then their values, the last one without a fill byte",
+    "run": "function 28h with P_PROGRAM starts the CPU",
+    "stop": "function 29h stops the CPU",
+}
+_MEMORY = {"S": "S7-200 SMART system manual, A5E03822230", "2": "S7-200 system manual, A5E00307987"}
+"""By the first letter of a CPU; the pages are not named in the table of CPUs."""
+
+
+def ledger(plan: PpiPlan) -> Iterator[Assumption]:
+    """The line, services and areas, stations, modules and times."""
+    jobs = [job for master in plan.masters for job in master.jobs]
+    if not jobs:
+        return
+    yield from _line()
+    for kind in dict.fromkeys(job.kind for job in jobs):
+        yield Assumption(f"PPI {kind}", _SERVICES[kind], _RECORDED, Grade.OBSERVED)
+    # codes of the areas, and the layout of a value where it is not just bytes
+    for area in _used(jobs):
+        text = f"area {area:02X}h, {area.title}"
+        if area in {Area.T, Area.HC}:
+            text += ": status byte and 32 bits"
+        elif area is Area.C:
+            text += ": status byte and 16 bits"
+        yield Assumption("PPI", text, *_AREAS[area])
+    for master in plan.masters:
+        for station in master.stations:
+            yield from _station(master, station)
+        yield from _module(master)
+        given = plan.spec.ppi[master.key]
+        yield Assumption(master.key, f"a cycle of OB1 takes {master.ob1_cycle} ms at most", "the spec", Grade.SPEC)
+        line = f"{master.baud} bit/s, 8 data bits, even parity, 1 stop bit"
+        yield Assumption(master.key, line, f"the spec; {_LIBNODAVE}", Grade.SECOND)
+        for what, time, own in (
+            ("E5", master.ack_timeout, given.ack_timeout),
+            ("the reply to a poll", master.reply_timeout, given.reply_timeout),
+        ):
+            source, grade = ("the spec", Grade.SPEC) if own is not None else (_NOBODY, Grade.GENERAL)
+            yield Assumption(master.key, f"{what} has been received after {time} ms", source, grade)
+
+
+def _line() -> Iterator[Assumption]:
+    subject = "PPI"
+    for text, source, grade in (
+        ("a request is acknowledged with E5, the reply comes when it is polled", _RECORDED, Grade.OBSERVED),
+        ("frames SD1, SD2 and E5; FCS is the sum of the bytes from DA on", _FDL, Grade.SECOND),
+        (
+            "6Ch first, then 5Ch and 7Ch in turn; a repetition is answered again and not executed twice",
+            _FDL,
+            Grade.SECOND,
+        ),
+        ("E5 instead of a reply: not ready, to be polled again", _LIBNODAVE, Grade.SECOND),
+        ("a PDU has 240 bytes: 19 items, 222 bytes read, 212 written", _LIBNODAVE, Grade.SECOND),
+        ("return code FFh is good; an item with another one has no value", _LIBNODAVE, Grade.SECOND),
+    ):
+        yield Assumption(subject, text, source, grade)
+
+
+def _used(jobs: Iterable[PpiJob]) -> list[Area]:
+    return sorted({Area(item.item.area) for job in jobs for telegram in job.telegrams for item in telegram.items})
+
+
+def _station(master: PlannedMaster, station: PlannedStation) -> Iterator[Assumption]:
+    name, profile = f"{master.key} {station.key}", station.profile
+    source = _MEMORY[profile.key[0]]
+    for area in _used(job for job in master.jobs if job.station is station):
+        unit = "elements" if area.elements else "bytes"
+        text = f"{profile.title} has {profile.sizes[area]} {unit} of {area.name}"
+        if area is Area.SYS or area.name in profile.unchecked:
+            yield Assumption(name, text, f"from memory, not compared with the {source}", Grade.GENERAL)
+        else:
+            yield Assumption(name, text, source, Grade.SECOND)
+
+
+def _module(master: PlannedMaster) -> Iterator[Assumption]:
+    if master.module == "cp341":
+        for text in (
+            "P_SND_RK and P_RCV_RK move 32 bytes in a program cycle, in three calls at least",
+            "RESET takes four calls at least and ends with DONE or ERROR",
+        ):
+            yield Assumption(master.key, text, _CP341, Grade.MANUAL)
+        return
+    yield Assumption(
+        master.key,
+        "Port_Config and Receive_Config are needed after power-up; a gap of 35 bit times ends a message",
+        f'{_HELP}, "Port_Config", "Receive_Config"',
+        Grade.MANUAL,
+    )
+    yield Assumption(
+        master.key,
+        "Send_P2P and Receive_P2P need two calls and more for a job",
+        f'{_HELP}, "Overview of Freeport communication"; the number is ours',
+        Grade.SECOND,
+    )
+
 
 SHOWN = 3
 SHOWN_ROLES = frozenset({"function_code", "reference", "return_code", "value", "fcs"})
@@ -230,7 +345,22 @@ class PpiSuite:
         """All scenarios of a job, as if it had all the time in the world."""
         master, target, every = self.master, self.plan.target, level == "full"
         if not every and job is not next(j for j in self.jobs if SHAPES[j.kind] == SHAPES[job.kind]):
-            yield from core_scenarios(master, job, scans, classic=target.classic)
+            # what depends on the job itself, and one fault of each kind of the rest
+            yield loose(name="first job after power-up", fresh=True)
+            for at, kind in (("request", "silence"), ("poll", "fcs"), ("poll", "silence")):
+                once = fault(kind, "request" if at == "request" else "poll")
+                yield PpiScenario(name=f"{kind} at the {at}", faults=(once,), **lost_once(master, polls=at == "poll"))
+            dead = (fault("deaf", times=None),)
+            yield PpiScenario(
+                name="silence forever", faults=dead, status=(WORDS["NO_ANSWER"],), retries=master.retries, polls=0
+            )
+            yield from ready(master.polls)
+            yield from refusals(job, every=False)
+            yield from wrong_replies(job)
+            yield from hangs(master, job, classic=target.classic)
+            yield PpiScenario(name="execute dropped", happens={scans // 2: "drop"})
+            yield loose(name="cold restart", happens={scans // 2: "cold"})
+            yield loose(name="scans of random length", wild=True)
             if job is min(self.jobs, key=lambda each: reply_length(each.telegrams[0])):
                 yield from in_the_pause(master, job)  # that of a longer reply may be too short for it
             return
@@ -275,22 +405,3 @@ def rig_of(runner: Runner[PpiScenario]) -> MasterRig:
     if not isinstance(rig, MasterRig):
         raise TypeError("not a PPI master")
     return rig
-
-
-def core_scenarios(master: PlannedMaster, job: PpiJob, scans: int, *, classic: bool) -> Iterator[PpiScenario]:
-    """What depends on the job itself, and one fault of each kind of the rest."""
-    yield loose(name="first job after power-up", fresh=True)
-    for at, kind in (("request", "silence"), ("poll", "fcs"), ("poll", "silence")):
-        once = fault(kind, "request" if at == "request" else "poll")
-        yield PpiScenario(name=f"{kind} at the {at}", faults=(once,), **lost_once(master, polls=at == "poll"))
-    dead = (fault("deaf", times=None),)
-    yield PpiScenario(
-        name="silence forever", faults=dead, status=(WORDS["NO_ANSWER"],), retries=master.retries, polls=0
-    )
-    yield from ready(master.polls)
-    yield from refusals(job, every=False)
-    yield from wrong_replies(job)
-    yield from hangs(master, job, classic=classic)
-    yield PpiScenario(name="execute dropped", happens={scans // 2: "drop"})
-    yield loose(name="cold restart", happens={scans // 2: "cold"})
-    yield loose(name="scans of random length", wild=True)

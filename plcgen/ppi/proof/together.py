@@ -286,7 +286,13 @@ def cycles(rig: MasterRig) -> None:
         _repeat(rig)
         rig.cpu.restart("cold")
         module = rig.bus.ports.pop(rig.master.port)
-        _stay(rig)
+        # A job that fails early, as its module is missing, keeps its error until the cycle is over
+        begin = rig.cpu.clock
+        status = _once(rig, rig.job.timeout // step(rig), step(rig))
+        while rig.cpu.clock + step(rig) < begin + rig.job.cycle:
+            rig.cpu.call(rig.db.block, step(rig))
+            if rig.db.get(rig.pin("status")) != status or not rig.db.flag(rig.pin("error")):
+                raise ScenarioError(f"{rig.job.key}: the error 16#{status:04X} does not stay until the next cycle")
         rig.bus.ports[rig.master.port] = module
     for job in (job for job in rig.master.jobs if not job.cycle):
         rig.job = job
@@ -334,16 +340,6 @@ def _rest(rig: MasterRig, longest: int) -> None:
             raise ScenarioError(f"{rig.job.key} starts again although it has no cycle")
     for pin in beside:
         rig.db.set(pin, 0)
-
-
-def _stay(rig: MasterRig) -> None:
-    """A job that fails early, as its module is missing, keeps its error until the cycle is over."""
-    begin = rig.cpu.clock
-    status = _once(rig, rig.job.timeout // step(rig), step(rig))
-    while rig.cpu.clock + step(rig) < begin + rig.job.cycle:
-        rig.cpu.call(rig.db.block, step(rig))
-        if rig.db.get(rig.pin("status")) != status or not rig.db.flag(rig.pin("error")):
-            raise ScenarioError(f"{rig.job.key}: the error 16#{status:04X} does not stay until the next cycle")
 
 
 # --- the longest scan -----------------------------------------------------------------------------------------

@@ -25,7 +25,7 @@ _REFUSALS = frozenset({0x01, 0x02, 0x03})
 
 def _fault(text: str) -> Fault:
     """Read a fault; only texts need the reader and its libraries."""
-    from plcgen.ppi.sim.fault_text import parse_fault
+    from plcgen.ppi.sim.faults import parse_fault
 
     return parse_fault(text)
 

@@ -6,8 +6,7 @@ import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from plcgen.ppi.sim.memory import StationMemory
-from plcgen.ppi.sim.reading import KnownReads
+from plcgen.ppi.sim.memory import KnownReads, StationMemory
 from plcgen.ppi.wire.areas import JOB_HEADER, PDU_LIMIT, Area, Function, ReturnCode, Rosctr
 from plcgen.ppi.wire.errors import Kind, Violation
 from plcgen.ppi.wire.model import (

@@ -20,10 +20,9 @@ from plcgen.base.files.validation import FileShape, Problems, StrictModel, load_
 from plcgen.base.files.yaml import YamlNode, resolve_plain
 from plcgen.ppi.sim.bus import Bus
 from plcgen.ppi.sim.cpu import BY_LEVEL, LEAST_PDU, Mode, Service, Switch
-from plcgen.ppi.sim.fault_text import MOST, FaultKeys
-from plcgen.ppi.sim.memory import StationMemory
+from plcgen.ppi.sim.faults import MOST, FaultKeys
+from plcgen.ppi.sim.memory import StationMemory, encode_value
 from plcgen.ppi.sim.station import FrameCountRule, Station
-from plcgen.ppi.sim.values import encode_value
 from plcgen.ppi.wire.address import PpiAddressError, parse_item
 from plcgen.ppi.wire.areas import PDU_LIMIT, ReturnCode
 from plcgen.ppi.wire.model import Item

@@ -13,8 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from plcgen.ppi.sim.cpu import BY_LEVEL, Mode, Service, Session, StationCpu, Switch
-from plcgen.ppi.sim.memory import StationMemory
-from plcgen.ppi.sim.values import decode_value, encode_value
+from plcgen.ppi.sim.memory import StationMemory, decode_value, encode_value
 from plcgen.ppi.wire.address import parse_item
 from plcgen.ppi.wire.areas import PDU_LIMIT, ReturnCode
 from plcgen.ppi.wire.model import FCB, FCV, REQUEST, Acknowledgement, FixedFrame, Frame, Item, VariableFrame

@@ -1,21 +1,32 @@
-"""View of a PPI master's function block: every name, number and table row the templates write."""
+"""View of a PPI master's function block for the templates, and what masters contribute to the documents."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 from plcgen.base.diagnostics.counting import shortlist
 from plcgen.build.control import signals
-from plcgen.build.members import initializer, plain
-from plcgen.build.nouns import CallerValue, Command, DataBlock, FunctionBlock, LibraryInstance, MemberRow
-from plcgen.build.spelling import clean_title, comment_text, declared_type, type_words
-from plcgen.ppi.plan.fields import value_length
+from plcgen.build.members import fixed, initializer, plain
+from plcgen.build.nouns import (
+    CallerValue,
+    Command,
+    Contribution,
+    DataBlock,
+    FunctionBlock,
+    GuidePart,
+    LibraryInstance,
+    MemberRow,
+    TypeBlock,
+)
+from plcgen.build.spelling import clean_title, comment_text, declared_type, literal, type_words
+from plcgen.ppi.plan.jobs import value_length
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue, WireItem
-from plcgen.ppi.plan.times import GAP_BITS
-from plcgen.ppi.views.rows import buffer_blocks, value_comment
-from plcgen.ppi.views.values import into_response, into_table, output_moves, stat_name
+from plcgen.ppi.plan.times import GAP_BITS, line_ms
+from plcgen.ppi.views.values import buffer_blocks, into_response, into_table, output_moves, stat_name, value_comment
 from plcgen.ppi.wire.areas import Function
-from plcgen.ppi.words import CLOCK_END, DRAIN_MS, ONLY_CLASSIC, ONLY_NEW, STATES, STATUS_WORDS
+from plcgen.ppi.words import CLOCK_END, DIAGNOSTICS, DRAIN_MS, ONLY_CLASSIC, ONLY_NEW, STATES, STATUS_WORDS
 from plcgen.s7.types.data_types import Elementary
 
 SERIAL_NOTE = (
@@ -42,6 +53,12 @@ def program(plan: PpiPlan, master: PlannedMaster) -> FunctionBlock:
     label = _title(plan, master)
     titles = {t.number: job_title(plan, job) for job in master.jobs for t in job.telegrams}
     titles |= {t.number: f"first frame to {t.station.key}" for t in master.syncs}
+    # the frames of a CP 341 and the instances of its blocks, which STEP 7 V5 knows as symbols
+    mark = '"' if plan.target.v5 else ""
+    libraries = ((f"{mark}P_SND_RK{mark}", "FB 8"), (f"{mark}P_RCV_RK{mark}", "FB 7"))
+    found: list[DataBlock | LibraryInstance] = [
+        LibraryInstance(block, *names) for block, names in zip(master.module_instances or (), libraries, strict=False)
+    ]
     return FunctionBlock(
         block=master.block,
         instance=master.instance,
@@ -59,19 +76,9 @@ def program(plan: PpiPlan, master: PlannedMaster) -> FunctionBlock:
             f"({len(t.request.data)} bytes; function code, reference, FCS and inputs change)"
             for t in master.telegrams
         ],
-        data=_stored(plan, master, label),
+        data=found + ([DataBlock(master.buffer, f"Frames: {label}", _frames(plan))] if master.buffer else []),
         open_call="\n    ",
     )
-
-
-def _stored(plan: PpiPlan, master: PlannedMaster, label: str) -> list[DataBlock | LibraryInstance]:
-    """The frames of a CP 341 and the instances of its blocks, which STEP 7 V5 knows as symbols."""
-    mark = '"' if plan.target.v5 else ""
-    libraries = ((f"{mark}P_SND_RK{mark}", "FB 8"), (f"{mark}P_RCV_RK{mark}", "FB 7"))
-    found: list[DataBlock | LibraryInstance] = [
-        LibraryInstance(block, *names) for block, names in zip(master.module_instances or (), libraries, strict=False)
-    ]
-    return found + ([DataBlock(master.buffer, f"Frames: {label}", _frames(plan))] if master.buffer else [])
 
 
 def command(plan: PpiPlan, job: PpiJob) -> Command:
@@ -334,3 +341,76 @@ class _Views:
             (name, t["WORD"], f"W#16#{value:04X}", text) for name, value, text in STATUS_WORDS if name not in left_out
         ]
         return rows
+
+
+_SYMBOLS = (("P_RCV_RK", "FB 7", "FB 7", "CP 341: receive"), ("P_SND_RK", "FB 8", "FB 8", "CP 341: send"))
+
+
+def contribution(plan: PpiPlan) -> Contribution:
+    """Everything of a plan."""
+    return Contribution(
+        family="PPI",
+        jobs="jobs",
+        types=(TypeBlock(plan.diagnostics_type, fixed(plan, DIAGNOSTICS)),),
+        data=(),
+        programs=(program(plan, master) for master in plan.masters),
+        controls={plan.control_db: "Commands and results of all PPI jobs"},
+        tag_table=f"{plan.prefix}PpiJobTags",
+        guide=partial(_guide, plan),
+        manifest=partial(_manifest, plan),
+        symbols=_SYMBOLS,
+    )
+
+
+def _guide(plan: PpiPlan) -> tuple[list[GuidePart], list[GuidePart]]:
+    speeds = sorted({master.baud for master in plan.masters})
+    view = {
+        "controls": [plan.control_db.name],
+        "masters": [
+            {"block": master.block.name, "module": MODULES[master.module], "baud": master.baud, "port": master.port}
+            for master in plan.masters
+        ],
+        "speed": f"{speeds[0]} bit/s" if len(speeds) == 1 else "the speed of its master above",
+        "gap_ms": max(4, line_ms(GAP_BITS, speeds[0])),
+        "gap_bits": GAP_BITS,
+        "most": MAX_MESSAGE,
+        "writes": [row for master in plan.masters for row in _writes(plan, master)],
+        "numbered": [master.buffer for master in plan.masters if master.buffer is not None],
+    }
+    return [("ppi/import.md.j2", view)], []
+
+
+def _writes(plan: PpiPlan, master: PlannedMaster) -> Iterator[dict[str, str]]:
+    for job in master.jobs:
+        row = {"job": f"{master.block.name}, job {job.key}", "station": f"{job.station.key} ({job.station.address})"}
+        if job.kind in {"run", "stop"}:
+            yield {**row, "label": "CPU", "value": job.kind.upper()}
+        for value in job.values if job.kind == "write" else ():
+            yield {**row, "label": value.label, "value": written_value(plan, value)}
+
+
+def written_value(plan: PpiPlan, value: PpiValue) -> str:
+    """What a job writes: its constant, or that an input of the block says it."""
+    if value.constant and isinstance(value.element, Elementary):
+        text = literal(value.element, value.data[: value.size], v5=plan.target.v5)
+        return f"{value.count} times {text}" if value.count > 1 else text
+    return "block input"
+
+
+def _manifest(plan: PpiPlan) -> dict[str, Any]:
+    masters = [
+        {
+            "master": master.key,
+            "block": master.block.name,
+            "telegrams": [
+                {
+                    "request": telegram.request.data.hex(" ").upper(),
+                    "request_db": f"DB{telegram.request.home.number}",
+                    **({"response_db": f"DB{telegram.response.home.number}"} if telegram.response else {}),
+                }
+                for telegram in master.telegrams
+            ],
+        }
+        for master in plan.masters
+    ]
+    return {"ppi": masters}

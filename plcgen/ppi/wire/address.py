@@ -94,7 +94,13 @@ def _item(text: str, area: Area, width: str, number: int, bit: str | None, count
         what = f"{area.title} are words" if area in {Area.AI, Area.AQ} else "the width is missing"
         raise PpiAddressError("PG711", f'"{text}": {what}', _ways(area, number))
     if area in {Area.AI, Area.AQ}:
-        _analog(text, area, width, number)
+        if width != "W":
+            raise PpiAddressError(
+                "PG711", f'"{text}": {area.title} are words', f"write {area.name}W{number - number % 2}"
+            )
+        if number % 2:
+            help_ = f"write {area.name}W{number - 1} or {area.name}W{number + 1}"
+            raise PpiAddressError("PG711", f'"{text}": {area.title} have even addresses', help_)
     _within(text, number * 8)
     return Item.memory(area, number, count, _WIDTHS[width])
 
@@ -110,14 +116,6 @@ def _bit(text: str, area: Area, byte: int, bit: int, count: int) -> Item:
         raise PpiAddressError("PG714", f'"{text}": bits are read one at a time', f"read the bytes: {bytes_}")
     _within(text, byte * 8 + bit)
     return Item.bit(area, byte, bit)
-
-
-def _analog(text: str, area: Area, width: str, number: int) -> None:
-    if width != "W":
-        raise PpiAddressError("PG711", f'"{text}": {area.title} are words', f"write {area.name}W{number - number % 2}")
-    if number % 2:
-        help_ = f"write {area.name}W{number - 1} or {area.name}W{number + 1}"
-        raise PpiAddressError("PG711", f'"{text}": {area.title} have even addresses', help_)
 
 
 def _within(text: str, address: int) -> None:

@@ -1,4 +1,4 @@
-"""A telegram field by field, for people: every byte belongs to exactly one field, wrong ones are marked.
+"""A telegram field by field, for people, wrong ones marked, and in one line; every byte belongs to exactly one field.
 
 Nothing here raises: it goes on as far as the lengths can be known and shows the rest as undecoded bytes.
 """
@@ -26,7 +26,24 @@ from plcgen.ppi.wire.codes import function_text, header_error, return_code
 from plcgen.ppi.wire.errors import Violation
 from plcgen.ppi.wire.fdl import SD1, SD2, SD3, SD4
 from plcgen.ppi.wire.items import bare_item, find_values, octets_of
-from plcgen.ppi.wire.model import ACKNOWLEDGE, CLIPPED, Item
+from plcgen.ppi.wire.model import (
+    ACKNOWLEDGE,
+    CLIPPED,
+    Acknowledgement,
+    ErrorReply,
+    FixedFrame,
+    ForceRequest,
+    Frame,
+    Item,
+    Pdu,
+    ReadReply,
+    ReadRequest,
+    SetupReply,
+    SetupRequest,
+    VariableFrame,
+    WriteReply,
+    WriteRequest,
+)
 from plcgen.ppi.wire.pdu import FORCE_PARAMETER
 from plcgen.ppi.wire.telegram import PDU_OFFSET
 
@@ -52,7 +69,18 @@ def dissect(data: bytes, violations: Iterable[Violation] = (), asked: Sequence[I
     walker = Walker(bytes(data))
     start = walker.peek(1) if data else 0
     if start == SD2:
-        _variable(walker, asked)
+        walker.hexadecimal(1, "start", "SD2")
+        length = walker.decimal(1, "length LE", "bytes from DA to the end of the PDU")
+        walker.decimal(1, "length LEr")
+        walker.hexadecimal(1, "start")
+        _head(walker)
+        end = min(len(walker.data), max(PDU_OFFSET, length + 4))
+        if len(walker.data) > 2 and walker.data[2] != length and len(walker.data) == walker.data[2] + 6:
+            end = len(walker.data) - 2
+        inner = Walker(walker.data[:end], walker.fields, walker.offset)
+        _pdu(inner, asked)
+        walker.offset = inner.offset
+        _tail(walker)
     elif start in {SD1, SD3} and data:
         walker.hexadecimal(1, "start", "SD1" if start == SD1 else "SD3")
         _head(walker)
@@ -74,6 +102,31 @@ def dissect(data: bytes, violations: Iterable[Violation] = (), asked: Sequence[I
     return walker.fields
 
 
+def _pdu(inner: Walker, asked: Sequence[Item]) -> None:
+    if not inner.left:
+        return
+    inner.hexadecimal(1, "protocol")
+    rosctr = inner.hexadecimal(1, "ROSCTR", _KINDS.get(inner.peek(1), "unknown") if inner.left else "unknown")
+    inner.hexadecimal(2, "reserved")
+    inner.hexadecimal(2, "reference")
+    parameters = inner.decimal(2, "parameter length")
+    size = inner.decimal(2, "data length")
+    reply = rosctr in {Rosctr.ACK, Rosctr.ACK_DATA}
+    error = 0
+    if reply:
+        code = inner.peek(2)
+        error = inner.hexadecimal(2, "error class, code", "no error" if not code else header_error(code).text)
+    if inner.left:
+        if rosctr == Rosctr.USERDATA:
+            _userdata(inner, parameters, size)
+        elif error or rosctr not in set(Rosctr):
+            _plain(inner, parameters)
+        else:
+            _function(inner, parameters, asked, reply=reply)
+    if inner.left:
+        inner.add(inner.left, "undecoded bytes")
+
+
 def _head(walker: Walker) -> None:
     walker.decimal(1, "destination DA")
     walker.decimal(1, "source SA")
@@ -83,45 +136,6 @@ def _head(walker: Walker) -> None:
 def _tail(walker: Walker) -> None:
     walker.hexadecimal(1, "checksum FCS")
     walker.hexadecimal(1, "end")
-
-
-def _variable(walker: Walker, asked: Sequence[Item]) -> None:
-    walker.hexadecimal(1, "start", "SD2")
-    length = walker.decimal(1, "length LE", "bytes from DA to the end of the PDU")
-    walker.decimal(1, "length LEr")
-    walker.hexadecimal(1, "start")
-    _head(walker)
-    end = min(len(walker.data), max(PDU_OFFSET, length + 4))
-    if len(walker.data) > 2 and walker.data[2] != length and len(walker.data) == walker.data[2] + 6:
-        end = len(walker.data) - 2
-    inner = Walker(walker.data[:end], walker.fields, walker.offset)
-    if inner.left:
-        _pdu(inner, asked)
-        if inner.left:
-            inner.add(inner.left, "undecoded bytes")
-    walker.offset = inner.offset
-    _tail(walker)
-
-
-def _pdu(walker: Walker, asked: Sequence[Item]) -> None:
-    walker.hexadecimal(1, "protocol")
-    rosctr = walker.hexadecimal(1, "ROSCTR", _KINDS.get(walker.peek(1), "unknown") if walker.left else "unknown")
-    walker.hexadecimal(2, "reserved")
-    walker.hexadecimal(2, "reference")
-    parameters = walker.decimal(2, "parameter length")
-    size = walker.decimal(2, "data length")
-    reply = rosctr in {Rosctr.ACK, Rosctr.ACK_DATA}
-    error = 0
-    if reply:
-        code = walker.peek(2)
-        error = walker.hexadecimal(2, "error class, code", "no error" if not code else header_error(code).text)
-    if walker.left:
-        if rosctr == Rosctr.USERDATA:
-            _userdata(walker, parameters, size)
-        elif error or rosctr not in set(Rosctr):
-            _plain(walker, parameters)
-        else:
-            _function(walker, parameters, asked, reply=reply)
 
 
 def _plain(walker: Walker, parameters: int) -> None:
@@ -280,3 +294,54 @@ def _content(pdu: bytes) -> str:
     if name.startswith("PI"):
         name = "RUN"
     return f"{name} {kind}".strip()
+
+
+_VALUE = 16
+
+
+class FrameText:
+    """Turns the frames of a line into text; it remembers what was asked, so that answers can name their items."""
+
+    def __init__(self) -> None:
+        self._asked: dict[tuple[int, int], Sequence[Item]] = {}
+
+    def line(self, data: bytes, frame: Frame | None, pdu: Pdu | None) -> str:
+        """``read reply, station 2 to 0 (08): VB100 = 22``; ``pdu`` is what an SD2 frame carries."""
+        words = title(data)
+        if isinstance(frame, Acknowledgement) and frame.received != ACKNOWLEDGE:
+            words += f" (received as {frame.received:02X})"
+        if isinstance(frame, FixedFrame | VariableFrame):
+            words += f" ({frame.function:02X})"
+        more = self._contents(pdu, frame) if isinstance(frame, VariableFrame) and pdu is not None else ""
+        return f"{words}{': ' * bool(more)}{more}"
+
+    def _contents(self, pdu: Pdu, frame: VariableFrame) -> str:
+        if isinstance(pdu, ReadRequest):
+            self._asked[frame.source, frame.destination] = pdu.items
+            return ", ".join(address_text(item) for item in pdu.items)
+        if isinstance(pdu, WriteRequest):
+            self._asked[frame.source, frame.destination] = [entry.item for entry in pdu.items]
+            return ", ".join(f"{address_text(entry.item)} = {_hex(entry.data)}" for entry in pdu.items)
+        if isinstance(pdu, ReadReply | WriteReply):
+            if isinstance(pdu, ReadReply):
+                texts = [_hex(result.data) if result.ok else _refused(result.code) for result in pdu.results]
+            else:
+                texts = ["ok" if code == ReturnCode.OK else _refused(code) for code in pdu.codes]
+            names = [f"{address_text(item)} = " for item in self._asked.get((frame.destination, frame.source), ())]
+            return ", ".join((names[n] if n < len(names) else "") + text for n, text in enumerate(texts))
+        if isinstance(pdu, ErrorReply):
+            return f"{pdu.code:04X}h {header_error(pdu.code).text}"
+        if isinstance(pdu, SetupRequest | SetupReply):
+            return f"PDU size {pdu.pdu_size}"
+        if isinstance(pdu, ForceRequest):
+            name = address_text(pdu.item)
+            return f"unforce {name}" if pdu.data is None else f"force {name} = {_hex(pdu.data)}"
+        return ""
+
+
+def _hex(data: bytes) -> str:
+    return data[:_VALUE].hex(" ").upper() + (f" .. {len(data)} bytes" if len(data) > _VALUE else "")
+
+
+def _refused(code: int) -> str:
+    return f"{code:02X}h {return_code(code).text}"

@@ -49,7 +49,20 @@ def encode_frame(frame: Frame) -> bytes:
     """Return the bytes of a frame; PpiError if an address, a function code or a length does not fit."""
     if isinstance(frame, Acknowledgement):
         return bytes((ACKNOWLEDGE,))
-    _require(frame)
+    found: list[Violation] = []
+    function = None if isinstance(frame, TokenFrame) else frame.function
+    for value in (frame.destination, frame.source, 0 if function is None else function):
+        if not 0 <= value <= 0xFF:
+            raise PpiError.of(Kind.STATION, f"{value} is not a byte")
+    _check_stations(found, frame.destination, frame.source, 0, token=function is None)
+    if function is not None:
+        _check_function(found, function, 0)
+    if isinstance(frame, DataFrame) and len(frame.data) != 8:
+        found.append(Violation(Kind.LENGTH, 0, f"an SD3 frame carries 8 bytes, not {len(frame.data)}"))
+    if isinstance(frame, VariableFrame) and not LEAST_LENGTH <= len(frame.pdu) + 3 <= MOST_LENGTH:
+        found.append(Violation(Kind.LENGTH, 0, f"an SD2 frame carries 1 to 246 bytes, not {len(frame.pdu)}"))
+    if found:
+        raise PpiError(found)
     if isinstance(frame, TokenFrame):
         return bytes((SD4, frame.destination, frame.source))
     head = bytes((frame.destination, frame.source, frame.function))
@@ -65,23 +78,6 @@ def sd2(body: bytes) -> bytes:
     """Put DA, SA, FC and PDU between start and checksum; nothing is checked."""
     length = len(body)
     return bytes((SD2, length, length, SD2)) + body + bytes((sum(body) & 0xFF, END))
-
-
-def _require(frame: VariableFrame | FixedFrame | DataFrame | TokenFrame) -> None:
-    found: list[Violation] = []
-    function = None if isinstance(frame, TokenFrame) else frame.function
-    for value in (frame.destination, frame.source, 0 if function is None else function):
-        if not 0 <= value <= 0xFF:
-            raise PpiError.of(Kind.STATION, f"{value} is not a byte")
-    _check_stations(found, frame.destination, frame.source, 0, token=function is None)
-    if function is not None:
-        _check_function(found, function, 0)
-    if isinstance(frame, DataFrame) and len(frame.data) != 8:
-        found.append(Violation(Kind.LENGTH, 0, f"an SD3 frame carries 8 bytes, not {len(frame.data)}"))
-    if isinstance(frame, VariableFrame) and not LEAST_LENGTH <= len(frame.pdu) + 3 <= MOST_LENGTH:
-        found.append(Violation(Kind.LENGTH, 0, f"an SD2 frame carries 1 to 246 bytes, not {len(frame.pdu)}"))
-    if found:
-        raise PpiError(found)
 
 
 def decode_frame(data: bytes) -> Frame:
@@ -116,9 +112,23 @@ def examine_frame(data: bytes) -> Examined:
     start = data[0]
     if start == SD2:
         return _variable(data)
-    if start in {SD1, SD3}:
-        return _fixed(data)
     found: list[Violation] = []
+    if start in {SD1, SD3}:  # a fixed length, a checksum and an end byte
+        size = FIXED_SIZES[start]
+        if len(data) < size:
+            name = "SD1" if start == SD1 else "SD3"
+            fields = "10 DA SA FC FCS 16" if start == SD1 else "A2 DA SA FC, 8 bytes of data, FCS 16"
+            found.append(
+                Violation(Kind.SHORT, len(data), f"an {name} frame has {size} bytes ({fields}), not {len(data)}")
+            )
+            return None, found
+        _check_end(found, data, size)
+        _check_tail(found, data, 1, size)
+        _check_stations(found, data[1], data[2], 1)
+        _check_function(found, data[3], 3)
+        if start == SD1:
+            return FixedFrame(data[1], data[2], data[3]), found
+        return DataFrame(data[1], data[2], data[3], data[4:12]), found
     if start == ACKNOWLEDGE or start in CLIPPED:
         if start != ACKNOWLEDGE:
             text = f"{start:02X}h is an acknowledgement E5h whose first bits were lost"
@@ -133,24 +143,6 @@ def examine_frame(data: bytes) -> Examined:
     _check_end(found, data, 3)
     _check_stations(found, data[1], data[2], 1, token=True)
     return TokenFrame(data[1], data[2]), found
-
-
-def _fixed(data: bytes) -> Examined:
-    """SD1 and SD3: a fixed length, a checksum and an end byte."""
-    found: list[Violation] = []
-    size = FIXED_SIZES[data[0]]
-    if len(data) < size:
-        name = "SD1" if data[0] == SD1 else "SD3"
-        fields = "10 DA SA FC FCS 16" if data[0] == SD1 else "A2 DA SA FC, 8 bytes of data, FCS 16"
-        found.append(Violation(Kind.SHORT, len(data), f"an {name} frame has {size} bytes ({fields}), not {len(data)}"))
-        return None, found
-    _check_end(found, data, size)
-    _check_tail(found, data, 1, size)
-    _check_stations(found, data[1], data[2], 1)
-    _check_function(found, data[3], 3)
-    if data[0] == SD1:
-        return FixedFrame(data[1], data[2], data[3]), found
-    return DataFrame(data[1], data[2], data[3], data[4:12]), found
 
 
 def _variable(data: bytes) -> Examined:

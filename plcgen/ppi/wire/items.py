@@ -139,19 +139,15 @@ def encode_results(results: Sequence[ItemResult]) -> bytes:
                 raise PpiError.of(Kind.VALUE_LENGTH, f"item {number} failed with {result.code:02X}h, but has a value")
             parts.append(bytes((result.code, 0, 0, 0)))
             continue
-        _require_value(result, number)
+        if result.size_code not in {SizeCode.BIT, SizeCode.WORDS, SizeCode.OCTETS}:
+            raise PpiError.of(Kind.SIZE_CODE, f"item {number}: the size code {result.size_code:02X}h is not 3, 4 or 9")
+        if not result.data:
+            raise PpiError.of(Kind.VALUE_LENGTH, f"item {number}: the value has no bytes")
+        if result.size_code == SizeCode.BIT and result.data not in {b"\x00", b"\x01"}:
+            raise PpiError.of(Kind.VALUE, f"item {number}: a bit is 00 or 01, not {result.data.hex(' ').upper()}")
         pad = b"\x00" if len(result.data) % 2 and number < len(results) else b""
         parts.append(_value_header(result.code, result.size_code, result.data) + result.data + pad)
     return b"".join(parts)
-
-
-def _require_value(result: ItemResult, number: int) -> None:
-    if result.size_code not in {SizeCode.BIT, SizeCode.WORDS, SizeCode.OCTETS}:
-        raise PpiError.of(Kind.SIZE_CODE, f"item {number}: the size code {result.size_code:02X}h is not 3, 4 or 9")
-    if not result.data:
-        raise PpiError.of(Kind.VALUE_LENGTH, f"item {number}: the value has no bytes")
-    if result.size_code == SizeCode.BIT and result.data not in {b"\x00", b"\x01"}:
-        raise PpiError.of(Kind.VALUE, f"item {number}: a bit is 00 or 01, not {result.data.hex(' ').upper()}")
 
 
 def encode_values(items: Sequence[ItemWrite], *, trailing_pad: bool) -> bytes:

@@ -117,13 +117,9 @@ def _parts(pdu: Pdu) -> tuple[int, bytes, bytes, bytes]:
     if isinstance(pdu, Userdata):
         return Rosctr.USERDATA, b"", pdu.parameter, pdu.data
     if isinstance(pdu, ForceRequest):
-        return Rosctr.USERDATA, b"", FORCE_PARAMETER, _force_data(pdu)
-    return _reply_parts(pdu)
-
-
-def _reply_parts(
-    pdu: ReadReply | WriteReply | SetupReply | AckReply | ErrorReply | UnknownReply,
-) -> tuple[int, bytes, bytes, bytes]:
+        value = b"" if pdu.data is None else pdu.data + bytes(len(pdu.data) % 2)
+        block = b"\x00\x01" + encode_item(pdu.item)[2:] + value
+        return Rosctr.USERDATA, b"", FORCE_PARAMETER, b"\xff\x09" + len(block).to_bytes(2) + block
     good = bytes(2)
     if isinstance(pdu, ReadReply):
         return Rosctr.ACK_DATA, good, bytes((Function.READ, len(pdu.results))), encode_results(pdu.results)
@@ -154,12 +150,6 @@ def _item_parameter(function: Function, items: tuple[Item, ...]) -> bytes:
 
 def _setup_parameter(pdu: SetupRequest | SetupReply) -> bytes:
     return bytes((Function.SETUP, 0)) + b"".join(value.to_bytes(2) for value in (pdu.calling, pdu.called, pdu.pdu_size))
-
-
-def _force_data(pdu: ForceRequest) -> bytes:
-    value = b"" if pdu.data is None else pdu.data + bytes(len(pdu.data) % 2)
-    block = b"\x00\x01" + encode_item(pdu.item)[2:] + value
-    return b"\xff\x09" + len(block).to_bytes(2) + block
 
 
 # ---- Decoding -------------------------------------------------------------------------------------------------
@@ -240,11 +230,47 @@ def _job(findings: ItemFindings, data: bytes, start: int) -> Pdu | None:
         return None
     function = data[start]
     if function in _WITH_ITEMS:
-        return _items(findings, data, start, reference, write=function == Function.WRITE)
+        write = function == Function.WRITE
+        if start + 2 > len(data):
+            findings.add(Kind.PARAMETER_LENGTH, 6, "the number of items is missing")
+            return None
+        count = data[start + 1]
+        _check_count(findings, count, start + 1)
+        parameter, at = _split(findings, data, start, items_length(count))
+        if len(parameter) < items_length(count):
+            return None
+        items = tuple(read_item(findings, data, start + 2 + ITEM_SIZE * n, n + 1) for n in range(count))
+        if not write:
+            _no_data(findings, data, at, "a read request")
+            if items and reply_size(items) > PDU_LIMIT:
+                text = f"the answer would have {reply_size(items)} bytes; at most {PDU_LIMIT} are possible"
+                findings.add(Kind.LIMIT, start + 2, text)
+            return ReadRequest(reference, items)
+        values, trailing = read_values(findings, data, at, count, reply=False)
+        if len(values) < count:
+            return None
+        for number, (value, item) in enumerate(zip(values, items, strict=True), 1):
+            check_against(findings, value, item, number)
+        pairs = tuple(ItemWrite(item, value.data) for item, value in zip(items, values, strict=True))
+        return WriteRequest(reference, pairs, trailing)
     if function == Function.SETUP:
         return _setup(findings, data, start, reference, SetupRequest)
     if function in {Function.PI_SERVICE, Function.STOP}:
-        return _service(findings, data, start, reference)
+        # RUN and STOP: every byte is fixed
+        run = data[start] == Function.PI_SERVICE
+        wanted, name = (RUN_PARAMETER, "RUN") if run else (STOP_PARAMETER, "STOP")
+        if run and PROGRAM not in data[start:]:
+            parameter, at = _split(findings, data, start)
+            return UnknownJob(reference, parameter, data[at:]) if parameter else None
+        parameter, at = _split(findings, data, start, len(wanted))
+        _no_data(findings, data, at, name)
+        for offset, (byte, expected) in enumerate(zip(parameter, wanted, strict=False)):
+            if byte != expected:
+                text = f"byte {offset} of the parameters of {name} is {byte:02X}h instead of {expected:02X}h"
+                findings.add(Kind.SERVICE, start + offset, text)
+        if len(parameter) < len(wanted):
+            return None
+        return RunRequest(reference) if run else StopRequest(reference)
     parameter, at = _split(findings, data, start)
     if not parameter:
         findings.add(Kind.PARAMETER_LENGTH, 6, "a job has at least the byte of its function")
@@ -259,31 +285,6 @@ def _check_count(findings: ItemFindings, count: int, place: int) -> None:
         findings.add(Kind.LIMIT, place, f"{count} items; one telegram has at most {ITEM_LIMIT}")
 
 
-def _items(findings: ItemFindings, data: bytes, start: int, reference: int, *, write: bool) -> Pdu | None:
-    if start + 2 > len(data):
-        findings.add(Kind.PARAMETER_LENGTH, 6, "the number of items is missing")
-        return None
-    count = data[start + 1]
-    _check_count(findings, count, start + 1)
-    parameter, at = _split(findings, data, start, items_length(count))
-    if len(parameter) < items_length(count):
-        return None
-    items = tuple(read_item(findings, data, start + 2 + ITEM_SIZE * n, n + 1) for n in range(count))
-    if not write:
-        _no_data(findings, data, at, "a read request")
-        if items and reply_size(items) > PDU_LIMIT:
-            text = f"the answer would have {reply_size(items)} bytes; at most {PDU_LIMIT} are possible"
-            findings.add(Kind.LIMIT, start + 2, text)
-        return ReadRequest(reference, items)
-    values, trailing = read_values(findings, data, at, count, reply=False)
-    if len(values) < count:
-        return None
-    for number, (value, item) in enumerate(zip(values, items, strict=True), 1):
-        check_against(findings, value, item, number)
-    pairs = tuple(ItemWrite(item, value.data) for item, value in zip(items, values, strict=True))
-    return WriteRequest(reference, pairs, trailing)
-
-
 def _setup(
     findings: ItemFindings, data: bytes, start: int, reference: int, kind: type[SetupRequest | SetupReply]
 ) -> Pdu | None:
@@ -295,24 +296,6 @@ def _setup(
         findings.add(Kind.RESERVED, start + 1, f"the reserved byte is {parameter[1]:02X}h instead of 00h")
     calling, called, size = (_number(parameter, offset) for offset in (2, 4, 6))
     return kind(reference, size, calling, called)
-
-
-def _service(findings: ItemFindings, data: bytes, start: int, reference: int) -> Pdu | None:
-    """RUN and STOP: every byte is fixed."""
-    run = data[start] == Function.PI_SERVICE
-    wanted, name = (RUN_PARAMETER, "RUN") if run else (STOP_PARAMETER, "STOP")
-    if run and PROGRAM not in data[start:]:
-        parameter, at = _split(findings, data, start)
-        return UnknownJob(reference, parameter, data[at:]) if parameter else None
-    parameter, at = _split(findings, data, start, len(wanted))
-    _no_data(findings, data, at, name)
-    for offset, (byte, expected) in enumerate(zip(parameter, wanted, strict=False)):
-        if byte != expected:
-            text = f"byte {offset} of the parameters of {name} is {byte:02X}h instead of {expected:02X}h"
-            findings.add(Kind.SERVICE, start + offset, text)
-    if len(parameter) < len(wanted):
-        return None
-    return RunRequest(reference) if run else StopRequest(reference)
 
 
 def _userdata(findings: ItemFindings, data: bytes, start: int) -> Pdu | None:
@@ -344,7 +327,27 @@ def _reply(findings: ItemFindings, data: bytes, start: int) -> Pdu | None:
         return ErrorReply(reference, data[10], data[11], rosctr, parameter, data[at:])
     if rosctr == Rosctr.ACK_DATA and start < len(data):
         if data[start] in _WITH_ITEMS:
-            return _results(findings, data, start, reference)
+            parameter, at = _split(findings, data, start, 2)
+            if len(parameter) < 2:
+                return None
+            count = parameter[1]
+            _check_count(findings, count, start + 1)
+            if parameter[0] == Function.READ:
+                values, _ = read_values(findings, data, at, count, reply=True)
+                return (
+                    ReadReply(reference, tuple(result_of(value) for value in values)) if len(values) == count else None
+                )
+            codes = data[at:]
+            if len(codes) != count:
+                findings.add(
+                    Kind.DATA_LENGTH, at, f"{count} items were written, but there are {len(codes)} return codes"
+                )
+            for offset, code in enumerate(codes[:count]):
+                if code not in _KNOWN_CODES:
+                    findings.add(
+                        Kind.RETURN_CODE, at + offset, f"item {offset + 1}: the return code {code:02X}h is unknown"
+                    )
+            return WriteReply(reference, tuple(codes[:count])) if len(codes) >= count else None
         if data[start] == Function.SETUP:
             return _setup(findings, data, start, reference, SetupReply)
     parameter, at = _split(findings, data, start)
@@ -356,21 +359,3 @@ def _reply(findings: ItemFindings, data: bytes, start: int) -> Pdu | None:
         findings.add(Kind.PARAMETER_LENGTH, 6, "a positive answer has at least the byte of its function")
         return None
     return UnknownReply(reference, parameter, data[at:], rosctr)
-
-
-def _results(findings: ItemFindings, data: bytes, start: int, reference: int) -> Pdu | None:
-    parameter, at = _split(findings, data, start, 2)
-    if len(parameter) < 2:
-        return None
-    count = parameter[1]
-    _check_count(findings, count, start + 1)
-    if parameter[0] == Function.READ:
-        values, _ = read_values(findings, data, at, count, reply=True)
-        return ReadReply(reference, tuple(result_of(value) for value in values)) if len(values) == count else None
-    codes = data[at:]
-    if len(codes) != count:
-        findings.add(Kind.DATA_LENGTH, at, f"{count} items were written, but there are {len(codes)} return codes")
-    for offset, code in enumerate(codes[:count]):
-        if code not in _KNOWN_CODES:
-            findings.add(Kind.RETURN_CODE, at + offset, f"item {offset + 1}: the return code {code:02X}h is unknown")
-    return WriteReply(reference, tuple(codes[:count])) if len(codes) >= count else None

@@ -14,7 +14,7 @@ from plcgen.proof.wording.model import Wording, untitled
 from plcgen.s7.layout.layout import Entry, Layout, layout_block
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.types.data_types import Elementary, Member, inner_members
-from plcgen.s7.types.spelling import type_text
+from plcgen.s7.types.literals import type_text
 
 FILE = "LAYOUT.md"
 _STANDARD = "Standard access, big-endian; offsets in bytes."

@@ -14,7 +14,7 @@ from plcgen.base.replacing import digest_of, replace_file
 from plcgen.report.diff.lockfile import lock_text, read_lock, reduced, unkept
 from plcgen.report.diff.run import compare_snapshots, snapshot
 from plcgen.s7.compare.model import Comparison
-from plcgen.s7.compare.policyfile import load_policy
+from plcgen.s7.compare.policy import load_policy
 
 DEFAULT = "plcgen.lock.json"
 

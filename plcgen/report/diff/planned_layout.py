@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from plcgen.build.sheet import Role
 from plcgen.s7.tables.tables import BlockTable, LayoutRow, member_address
 from plcgen.s7.types.data_types import Elementary
-from plcgen.s7.types.spelling import spell, type_text
+from plcgen.s7.types.literals import spell, type_text
 from plcgen.s7.types.values import unpack_value
 
 if TYPE_CHECKING:

@@ -19,8 +19,7 @@ from plcgen.report.diff.sentences import sentences
 from plcgen.report.revision import fetched, named, top_of
 from plcgen.s7.compare.blocks import compare_blocks
 from plcgen.s7.compare.model import TAG_TABLE, Change, Comparison, Snapshot
-from plcgen.s7.compare.policy import Level
-from plcgen.s7.compare.policyfile import load_policy
+from plcgen.s7.compare.policy import Level, load_policy
 from plcgen.s7.compare.states import snapshot_of
 from plcgen.s7.read.blocks import Sources, read_sources
 from plcgen.s7.read.files import TEXT_SUFFIXES, XML_SUFFIXES

@@ -33,13 +33,13 @@ def _verifications(found: Sequence[Verification], _view: View) -> str:
 
 
 def _layout(result: LayoutResult, _view: View) -> str:
-    from plcgen.s7.tables.data import layout_data
+    from plcgen.s7.tables.tables import layout_data
 
     return dump(layout_data(result))
 
 
 def _comparison(comparison: Comparison, view: View) -> str:
-    from plcgen.s7.compare.data import comparison_data
+    from plcgen.s7.compare.text import comparison_data
 
     return dump(comparison_data(comparison, view.fail_on))
 

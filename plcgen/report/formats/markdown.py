@@ -24,7 +24,7 @@ _MANY = 12
 
 def _layout(result: LayoutResult, _view: View) -> str:
     """One heading and one table a block, its footnotes below."""
-    from plcgen.s7.tables.text import shown_columns
+    from plcgen.s7.tables.tables import shown_columns
 
     parts = []
     for block in result.blocks:

@@ -35,7 +35,7 @@ def _verifications(found: Sequence[Verification], view: View) -> str:
 
 
 def _layout(result: LayoutResult, view: View) -> str:
-    from plcgen.s7.tables.text import layout_text
+    from plcgen.s7.tables.tables import layout_text
 
     return layout_text(result.blocks, view)
 

@@ -29,7 +29,7 @@ from plcgen.report.review.revision import BaseFiles, base_files
 from plcgen.report.revision import named
 from plcgen.report.trace.run import RunSettings, Simulation
 from plcgen.s7.compare.model import Comparison
-from plcgen.s7.compare.policyfile import load_policy
+from plcgen.s7.compare.policy import load_policy
 from plcgen.s7.read.generated import MANIFEST, MAX_MANIFEST
 from plcgen.s7.tables.tables import BlockTable
 

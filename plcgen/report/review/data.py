@@ -9,7 +9,7 @@ from plcgen.build.sheet import ExchangeSheet, Message, ReviewSheet
 from plcgen.proof.data import verification_data
 from plcgen.report.review.model import Review
 from plcgen.report.trace.data import trace_data
-from plcgen.s7.compare.data import comparison_data
+from plcgen.s7.compare.text import comparison_data
 
 
 def review_data(review: Review) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Protocol, TypeAlias
 
 from plcgen.report.trace.model import CallShape, Contact, JobValue, Signal
 from plcgen.report.trace.recorder import Derived, RecordingCpu, Watched
-from plcgen.s7.cpu.system.bus import Periphery
+from plcgen.s7.cpu.system.port import Periphery
 
 Observed: TypeAlias = tuple[Signal, Watched | Derived]
 

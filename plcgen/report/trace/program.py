@@ -7,8 +7,8 @@ from pathlib import Path
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.proof.standins import NO_STAND_INS, StandIns
-from plcgen.s7.cpu.folder import load_folder
 from plcgen.s7.cpu.program import Program
+from plcgen.s7.cpu.sources import load_folder
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.types.blocks import BlockKind
 

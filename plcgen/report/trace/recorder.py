@@ -12,14 +12,13 @@ from plcgen.report.trace.model import BlockCall, CallShape, Kind, Signal, Value
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.memory import Memory, Reference
 from plcgen.s7.cpu.program import Program
-from plcgen.s7.cpu.system.bus import Periphery
 from plcgen.s7.cpu.system.interfaces import SystemFb
 from plcgen.s7.cpu.system.point_to_point import PortBlock, Receiver
+from plcgen.s7.cpu.system.port import Periphery
 from plcgen.s7.cpu.system.record import RecordBlock
 from plcgen.s7.layout.layout import layout_block
-from plcgen.s7.types.data_types import DataType, Elementary, innermost
-from plcgen.s7.types.errors import UnfitValueError
-from plcgen.s7.types.families import Family
+from plcgen.s7.types.data_types import DataType, Elementary, UnfitValueError, innermost
+from plcgen.s7.types.system import Family
 from plcgen.s7.types.values import SIGNED, UNSIGNED
 
 SHAPES = {

@@ -26,8 +26,8 @@ from plcgen.report.trace.settings import TimedValue, all_right, parse_time, pars
 from plcgen.report.trace.values import full_path, located, no_member, valued_members
 from plcgen.s7.cpu.cpu import Misuse
 from plcgen.s7.cpu.program import Program
-from plcgen.s7.cpu.system.bus import Periphery
-from plcgen.s7.types.families import Family
+from plcgen.s7.cpu.system.port import Periphery
+from plcgen.s7.types.system import Family
 
 Progress = Callable[[str, int, int], None]
 EVERYTHING = "*"

@@ -13,7 +13,7 @@ SHOWN = 6
 
 def value_text(value: Value | bytes, *, bits: int = 0) -> str:
     """A value as an engineer writes it; ``bits`` makes a number hexadecimal; long arrays are cut."""
-    from plcgen.s7.types.spelling import format_real
+    from plcgen.s7.types.literals import format_real
 
     if isinstance(value, bool):
         return "TRUE" if value else "FALSE"

@@ -16,7 +16,7 @@ def compare_sources(old: Sources, new: Sources, policy: Sequence[str] = ()) -> l
     Raises DiagnosticError, PG631, for a policy that makes no sense.
     """
     from plcgen.s7.compare.blocks import compare_blocks
-    from plcgen.s7.compare.policyfile import load_policy
+    from plcgen.s7.compare.policy import load_policy
     from plcgen.s7.compare.states import snapshot_of
 
     return compare_blocks(snapshot_of(old, "old").blocks, snapshot_of(new, "new").blocks, load_policy(policy))

@@ -9,7 +9,7 @@ from difflib import SequenceMatcher
 from plcgen.base.diagnostics import Span
 from plcgen.base.diagnostics.counting import quantity
 from plcgen.s7.compare.model import ADDRESS, BlockState, Found, MemberState, path_steps
-from plcgen.s7.types.absent import OF_MEMBERS
+from plcgen.s7.types.blocks import OF_MEMBERS
 
 INTERNAL = frozenset(
     {"member-added", "member-removed", "member-renamed", "type-changed", "length-changed", "section-changed"}
@@ -128,7 +128,7 @@ class MemberComparison:
             self.add("section-changed", new, message, old.section, new.section, before=old.span)
         if old.type.upper() != new.type.upper():
             self.type(old, new)
-        elif old.start != new.start and not _incomparable(old, new):
+        elif old.start != new.start and not ((old.offset is None) != (new.offset is None) and "[" in old.type):
             message = f"start value {old.start or _default(old)} -> {new.start or _default(new)}"
             self.add("start-value", new, message, old.start, new.start, before=old.span)
         if self.comments and old.comment != new.comment:
@@ -213,7 +213,15 @@ def moves(pairs: Iterable[tuple[MemberState, MemberState]], order: Sequence[Memb
             runs[-1].append(item)
         else:
             runs.append([item])
-    before = _predecessors(order)
+    before: dict[int, MemberState] = {}
+    previous: MemberState | None = None
+    pending = list(reversed(order))
+    while pending:
+        member = pending.pop()
+        if previous is not None:
+            before[id(member)] = previous
+        previous = member
+        pending.extend(reversed(member.inner))
     found: list[Found] = []
     for number, run in enumerate(runs):
         if run[0][2]:
@@ -227,20 +235,6 @@ def _together(runs: Sequence[Found], kind: str, what: str) -> Found:
     first = runs[0]
     message = f"{what}: {quantity(len(details), 'member')} moved, the first one {first.path} {first.old} -> {first.new}"
     return first._replace(kind=kind, path="", message=message, details=details)
-
-
-def _predecessors(members: Sequence[MemberState]) -> dict[int, MemberState]:
-    """The member declared just before each one, at any depth."""
-    found: dict[int, MemberState] = {}
-    previous: MemberState | None = None
-    pending = list(reversed(members))
-    while pending:
-        member = pending.pop()
-        if previous is not None:
-            found[id(member)] = previous
-        previous = member
-        pending.extend(reversed(member.inner))
-    return found
 
 
 def _move(run: Sequence[tuple[MemberState, MemberState, int]], before: MemberState | None, *, last: bool) -> Found:
@@ -290,11 +284,6 @@ def _distance(bits: int) -> str:
 def _root(path: str) -> str:
     """Name of the member on the first level: ``motor`` of ``motor.speed`` and of ``motor[].speed``."""
     return path_steps(path)[0].removesuffix("[]") if path else ""
-
-
-def _incomparable(old: MemberState, new: MemberState) -> bool:
-    """Whether only one side's start value comes from an image, and the other is the text of a list."""
-    return (old.offset is None) != (new.offset is None) and "[" in old.type
 
 
 def _size(bits: int) -> str:

@@ -1,21 +1,35 @@
-"""Canonical start values: the same text for every spelling of a value, and for the same values at other places."""
+"""Canonical start values: the same text for every spelling of a value; those of instances against their blocks.
+
+Of an instance, a text lists behind BEGIN what differs; a document repeats every member, with the value that the
+instance has.
+"""
 
 from __future__ import annotations
 
 import hashlib
+import re
 from collections import Counter
+from collections.abc import Iterator
 from itertools import islice
 from typing import TYPE_CHECKING
 
 from plcgen.s7.layout.image import default_bytes
-from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, DataType, Elementary, Member, StringType, StructType
-from plcgen.s7.types.literals import LiteralError, pack_literal
-from plcgen.s7.types.spelling import spell
+from plcgen.s7.types.blocks import Block, SectionKind
+from plcgen.s7.types.data_types import (
+    ELEMENTARY,
+    ArrayType,
+    DataType,
+    Elementary,
+    Member,
+    StringType,
+    StructType,
+    innermost,
+)
+from plcgen.s7.types.literals import LiteralError, pack_literal, spell
 from plcgen.s7.types.values import unpack_value
+from plcgen.s7.xml.writing.starts import single_values
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from plcgen.s7.layout.shapes import Shape
 
 _BLANK = {"CHAR": b" ", "WCHAR": b"\0 "}
@@ -166,3 +180,51 @@ def _runs(values: list[str]) -> list[str]:
         else:
             found.append((value, 1))
     return [value if count == 1 else f"{count}({value})" for value, count in found]
+
+
+_LOCALS = frozenset({SectionKind.TEMP, SectionKind.CONSTANT})
+
+
+def instance_starts(block: Block, owner: Block | None) -> tuple[tuple[str, str], ...]:
+    """Path and canonical literal of every start value that ``owner`` has otherwise; all if it is unknown (None).
+
+    Paths are in upper case and without quotes or blanks; a value that is the default of its type is written out.
+    """
+    declared = {} if owner is None else _values(owner)
+    found = _values(block)
+    types = {path: member.type for b in (owner, block) if b is not None for path, member in _instance_leaves(b)}
+    changed = {}
+    for path, literal in found.items():
+        type_ = types.get(re.sub(r"\[[^\]]*\]", "", path))
+        usual = declared.get(path)
+        own = _canonical(literal, type_)
+        before = "" if usual is None else _canonical(usual, type_)
+        if owner is None or own != before:
+            changed[path] = own or normalized(literal)
+    return tuple(changed.items())
+
+
+def _values(block: Block) -> dict[str, str]:
+    """Literals by path: of declarations, single values of arrays by their index; lines behind BEGIN replace them."""
+    members = (m for s in block.sections if s.kind not in _LOCALS for m in s.members)
+    found = {".".join(name.upper() + index for name, index in way): literal for way, literal in single_values(members)}
+    for assignment in block.assignments:
+        found["".join(assignment.path.split()).replace('"', "").upper()] = assignment.literal
+    return found
+
+
+def _instance_leaves(block: Block) -> Iterator[tuple[str, Member]]:
+    """Members with upper-case paths, those of structures too, and of arrays of them."""
+    pending = [("", m) for s in block.sections if s.kind not in _LOCALS for m in s.members]
+    while pending:
+        prefix, member = pending.pop()
+        path = f"{prefix}{member.name.upper()}"
+        yield path, member
+        inside = innermost(member.type)
+        if isinstance(inside, StructType):
+            pending += [(f"{path}.", inner) for inner in inside.members]
+
+
+def _canonical(literal: str, type_: DataType | None) -> str:
+    """The same text for every spelling of a value; empty for the default of its type."""
+    return normalized(literal) if type_ is None else literal_start(Member("", innermost(type_), literal))

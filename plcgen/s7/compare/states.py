@@ -7,18 +7,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity, Span
-from plcgen.s7.compare.instances import instance_starts
 from plcgen.s7.compare.model import ADDRESS, TAG_TABLE, BlockState, MemberState, Snapshot, path_step
-from plcgen.s7.compare.starts import array_start, literal_start, normalized, scalar_start
+from plcgen.s7.compare.starts import array_start, instance_starts, literal_start, normalized, scalar_start
 from plcgen.s7.layout.image import image
 from plcgen.s7.layout.layout import layout_block
 from plcgen.s7.layout.shapes import Shape
 from plcgen.s7.read.blocks import SourceBlock, Sources
 from plcgen.s7.types.blocks import Block, BlockKind, SectionKind, is_retentive
 from plcgen.s7.types.data_types import Member, NamedType, StructType, innermost
-from plcgen.s7.types.literals import LiteralError
-from plcgen.s7.types.spelling import type_text
-from plcgen.s7.xml.reading.tables import TagTable
+from plcgen.s7.types.literals import LiteralError, type_text
 
 _MEMORY = frozenset({BlockKind.DB, BlockKind.UDT, BlockKind.FB})
 _LOCALS = frozenset({SectionKind.TEMP, SectionKind.CONSTANT})
@@ -36,26 +33,23 @@ def snapshot_of(sources: Sources, label: str) -> Snapshot:
             state = _State(found, part.types, snapshot.diagnostics).block()
             snapshot.blocks.append(replace(state, name=f"{plc}/{state.name}") if plc else state)
         for table in part.tables:
-            state = _tags(table)
+            # A tag table as a block: tags are members with an address, user constants with a value
+            members = [
+                MemberState(
+                    tag.name, path_step(tag.name), tag.type, comment=tag.comment, span=tag.span,
+                    attributes=((ADDRESS, tag.address.upper()),),
+                )
+                for tag in table.tags
+            ]  # fmt: skip
+            constants = [
+                MemberState(one.name, path_step(one.name), one.type, start=one.value, span=one.span)
+                for one in table.constants
+            ]
+            rows = (*members, *constants)
+            state = BlockState(TAG_TABLE, table.name, members=rows, span=rows[0].span if rows else None)
             snapshot.blocks.append(replace(state, name=f"{plc}/{state.name}") if plc else state)
     snapshot.blocks.sort(key=lambda block: (block.kind, block.name.upper()))
     return snapshot
-
-
-def _tags(table: TagTable) -> BlockState:
-    """A tag table as a block: tags are members with an address, user constants with a value."""
-    members = [
-        MemberState(
-            tag.name, path_step(tag.name), tag.type, comment=tag.comment, span=tag.span,
-            attributes=((ADDRESS, tag.address.upper()),),
-        )
-        for tag in table.tags
-    ]  # fmt: skip
-    constants = [
-        MemberState(one.name, path_step(one.name), one.type, start=one.value, span=one.span) for one in table.constants
-    ]
-    rows = (*members, *constants)
-    return BlockState(TAG_TABLE, table.name, members=rows, span=rows[0].span if rows else None)
 
 
 class _State:
@@ -148,7 +142,13 @@ class _State:
             return tuple(
                 self.laid(f.member, f.shape, f.offset, "", sections, foreign=foreign) for f in self.shape.fields
             )
-        found = (m for s in self.source.sections if s.kind not in _LOCALS for m in s.members if not _is_void(m))
+        found = (
+            m
+            for s in self.source.sections
+            if s.kind not in _LOCALS
+            for m in s.members
+            if not (isinstance(m.type, NamedType) and m.type.name.upper() == "VOID")
+        )
         return tuple(self.declared(m, sections.get(m.name.upper(), ""), path_step(m.name)) for m in found)
 
     def laid(
@@ -201,11 +201,6 @@ class _State:
 
 
 _AS_TEXT = "start values of this block are compared as text"
-
-
-def _is_void(member: Member) -> bool:
-    """Whether this is the return value that a function does not have."""
-    return isinstance(member.type, NamedType) and member.type.name.upper() == "VOID"
 
 
 def _doubt(problems: Sequence[Diagnostic], block: Block) -> Diagnostic:

@@ -1,16 +1,59 @@
-"""A comparison as text for people."""
+"""A comparison as text for people and as plain data."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from plcgen.base.display.cells import clean, pad, wrap
+from plcgen.base.display.data import diagnostic_data, head, span_data
 from plcgen.base.display.view import View
+from plcgen.s7.compare.model import Change, Comparison
+from plcgen.s7.compare.policy import Level
 
 if TYPE_CHECKING:
     from plcgen.s7.compare.model import Change, Comparison, Sentence
+
+
+def comparison_data(comparison: Comparison, fail_on: str) -> dict[str, Any]:
+    """Every change with its places and details."""
+    ok = comparison.readable and not comparison.failing(fail_on)
+    return {
+        **head("comparison", ok=ok),
+        "old": comparison.old,
+        "new": comparison.new,
+        "fail_on": fail_on,
+        "summary": {level.value: comparison.count(level) for level in Level},
+        "sentences": [
+            {
+                "job": one.job,
+                "level": one.level.value,
+                "text": one.text,
+                "partners": list(one.partners),
+                "place": span_data(one.span) if one.span else None,
+            }
+            for one in comparison.sentences
+        ],
+        "changes": [_data(change) for change in comparison.changes],
+        "diagnostics": [diagnostic_data(d) for d in comparison.diagnostics],
+    }
+
+
+def _data(change: Change) -> dict[str, Any]:
+    return {
+        "id": change.kind,
+        "level": change.level.value,
+        "subject": change.subject,
+        "path": change.path,
+        "message": change.message,
+        "old": change.old,
+        "new": change.new,
+        "old_place": span_data(change.old_span) if change.old_span else None,
+        "new_place": span_data(change.new_span) if change.new_span else None,
+        "details": list(change.details),
+    }
+
 
 _STYLE = {"breaking": "error", "compatible": "warning", "documentation": "dim"}
 _MARGIN = 2 + 13 + 2 + 18 + 2

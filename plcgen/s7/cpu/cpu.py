@@ -13,32 +13,27 @@ from typing import Any, Literal
 
 from plcgen.base.diagnostics import DiagnosticError, PlcgenError
 from plcgen.s7.cpu import arithmetic
-from plcgen.s7.cpu.decisions import Table
 from plcgen.s7.cpu.kinds import Kind, element_at, kind_at, typed
-from plcgen.s7.cpu.linkage import Compiled, Probe, ProgramBlock
+from plcgen.s7.cpu.linkage import Compiled, Probe, ProgramBlock, Table
 from plcgen.s7.cpu.memory import Memory, codec_functions
-from plcgen.s7.cpu.outside import call_function, stand_in
+from plcgen.s7.cpu.outside import Symbols, call_function, stand_in
 from plcgen.s7.cpu.preemption import Passage, Plan, Preemption
 from plcgen.s7.cpu.program import Program
-from plcgen.s7.cpu.retention import restart_block
-from plcgen.s7.cpu.symbols import Symbols
+from plcgen.s7.cpu.start_values import restart_block
 from plcgen.s7.cpu.system import moments
-from plcgen.s7.cpu.system.bus import Periphery
 from plcgen.s7.cpu.system.clock import SystemClock
-from plcgen.s7.cpu.system.control import control
 from plcgen.s7.cpu.system.interfaces import TIMERS, SystemFb
 from plcgen.s7.cpu.system.library import ROWS, Hooks
 from plcgen.s7.cpu.system.moves import AccessFaultError, MemoryMoves
 from plcgen.s7.cpu.system.point_to_point import PORT_BLOCKS, PortBlock
+from plcgen.s7.cpu.system.port import Periphery
 from plcgen.s7.cpu.system.record import PLACES, RecordBlock, RecordJobs, RecordPlaces
-from plcgen.s7.cpu.system.s5 import Cells
-from plcgen.s7.cpu.system.timers import counter, edge, query, timer
+from plcgen.s7.cpu.system.timers import Cells, control, counter, edge, query, timer
 from plcgen.s7.layout.image import Tree
 from plcgen.s7.layout.layout import layout_block
 from plcgen.s7.types.blocks import Block, BlockKind
-from plcgen.s7.types.errors import UnknownPathError
-from plcgen.s7.types.families import Family
-from plcgen.s7.types.system import CONTROL
+from plcgen.s7.types.data_types import UnknownPathError
+from plcgen.s7.types.system import CONTROL, Family
 
 AREA_SIZE = 65536
 LOOP_LIMIT = 1_000_000
@@ -108,18 +103,6 @@ class Cpu:
         self._numbers: dict[int, Memory] = {}
         self._moves = MemoryMoves(self._locate, self._report)
         self._records: list[RecordBlock | PortBlock] = []
-        self._make_memory()
-        self.symbols = Symbols(program.link, self.blocks, self.areas)
-        self.preemption = Preemption(program.link.points, self._start, self._eno)
-        self._names = self._namespace()
-        self._load(program.compiled)
-        self._main = program.main()
-        self._start_up = program.start_up()
-        self._started = False
-
-    # --- building -------------------------------------------------------------------------------------
-
-    def _make_memory(self) -> None:
         for entry in self.program.link.blocks.values():
             content = self.program.images.get(entry.index)
             if content is not None and entry.block.kind is BlockKind.DB:
@@ -134,6 +117,15 @@ class Cpu:
                 memory.number = free
                 self._numbers[free] = memory
                 free += 1
+        self.symbols = Symbols(program.link, self.blocks, self.areas)
+        self.preemption = Preemption(program.link.points, self._start, self._eno)
+        self._names = self._namespace()
+        self._load(program.compiled)
+        self._main = program.main()
+        self._start_up = program.start_up()
+        self._started = False
+
+    # --- building -------------------------------------------------------------------------------------
 
     def _namespace(self) -> dict[str, Any]:
         names: dict[str, Any] = {"__builtins__": {}, "inf": math.inf, "nan": math.nan}

@@ -1,4 +1,4 @@
-"""Blocks before and after compilation, and what one may refer to: other blocks, tags and numbers of a program."""
+"""Blocks before and after compilation, and what one may refer to: other blocks, tags, numbers, counters of coverage."""
 
 from __future__ import annotations
 
@@ -8,19 +8,47 @@ from dataclasses import dataclass, field, replace
 from types import CodeType
 
 from plcgen.base.diagnostics import Diagnostic, Span
-from plcgen.s7.cpu.decisions import Decision
 from plcgen.s7.cpu.kinds import Kind, kind_of
 from plcgen.s7.cpu.type_rules import IecCheck, TypeRules
 from plcgen.s7.layout.shapes import Shape
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.constants import integer
+from plcgen.s7.scl.declarations import UnknownNames
 from plcgen.s7.scl.dialect import Dialect
+from plcgen.s7.scl.logic import Logic, deciding, outcome
 from plcgen.s7.scl.parser import ParseResult, parse
-from plcgen.s7.scl.unknown_names import UnknownNames
-from plcgen.s7.types.absent import OF_BLOCKS, is_optimized
 from plcgen.s7.types.address import Address, AddressError, parse_address
-from plcgen.s7.types.blocks import Block, BlockKind
+from plcgen.s7.types.blocks import OF_BLOCKS, Block, BlockKind, is_optimized
 from plcgen.s7.types.data_types import NamedType
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """A condition: how its operands are joined, and the counters of each for deciding with TRUE and with FALSE."""
+
+    logic: Logic
+    counters: tuple[tuple[int, int], ...]
+
+
+class Table(dict[tuple[bool | None, ...], bool]):
+    """Outcomes of a condition by the values that its operands had, negated; None was not looked at.
+
+    The generated code looks the outcome up. What is not there yet is worked out, and counted for those that decide.
+    """
+
+    def __init__(self, decision: Decision, counts: list[int]) -> None:
+        super().__init__()
+        self.decision, self.counts = decision, counts
+
+    def __missing__(self, negated: tuple[bool | None, ...]) -> bool:
+        values = [None if value is None else not value for value in negated]
+        for number in deciding(self.decision.logic, values):
+            true, false = self.decision.counters[number]
+            self.counts[true if values[number] else false] += 1
+        found = bool(outcome(self.decision.logic, values))
+        self[negated] = found
+        return found
+
 
 _NUMBERED = re.compile(r"(?:DB|FB|FC|OB|SFB|SFC|UDT)[0-9]{1,5}", re.ASCII)
 _CELL = re.compile(r"[TCZ][0-9]{1,5}", re.ASCII)

@@ -14,10 +14,9 @@ from plcgen.s7.cpu.compiler.block import compile_block
 from plcgen.s7.cpu.linkage import ENO, Compiled, Linkage, Probe, ProgramBlock
 from plcgen.s7.cpu.outside import Answer, Stub
 from plcgen.s7.cpu.start_values import unfit_constants, with_constants
-from plcgen.s7.cpu.surroundings import Surroundings
+from plcgen.s7.cpu.surroundings import Surroundings, add_unknown_types, without_refused
 from plcgen.s7.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.s7.cpu.type_rules import IecCheck
-from plcgen.s7.cpu.unknown_types import add_unknown_types, without_refused
 from plcgen.s7.layout.image import StartValueError, image
 from plcgen.s7.layout.layout import layout_block
 from plcgen.s7.layout.shapes import OPEN_ARRAY, TypeTable
@@ -28,8 +27,7 @@ from plcgen.s7.scl.declarations import circles, recursive_types
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.scl.grammar.documents import IEC_CHECK, is_document
 from plcgen.s7.scl.parser import ParseResult, parse
-from plcgen.s7.types.absent import OF_BLOCKS
-from plcgen.s7.types.blocks import Block, BlockKind
+from plcgen.s7.types.blocks import OF_BLOCKS, Block, BlockKind
 from plcgen.s7.types.data_types import NamedType
 
 Source = Path | str | tuple[str, str]

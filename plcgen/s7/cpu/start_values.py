@@ -1,4 +1,4 @@
-"""Start values that name a constant of the block: ``state : Int := #IDLE``, ``last : INT := COUNT - 1``."""
+"""Start values that name a constant of the block: ``state : Int := #IDLE``; what a warm restart leaves."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from plcgen.base.diagnostics import Diagnostic, Span
+from plcgen.s7.cpu.linkage import Linkage, ProgramBlock
 from plcgen.s7.scl.constants import evaluate, filled, integer, is_bits_of_real, real_of_bits
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.scl.parser import parse_value
@@ -146,3 +147,34 @@ def _elsewhere(member: Member, text: str, found: list[Diagnostic]) -> Member:
     message = f"a constant in {text} is defined outside these sources"
     found.append(Diagnostic("PG827", message, member.span or Span("")))
     return replace(member, start=None)
+
+
+def restart_block(memory: bytearray, image: bytes, entry: ProgramBlock, link: Linkage) -> None:
+    """Give what is not retentive its start values: a NON_RETAIN block, or sections of others that are not RETAIN.
+
+    In STEP 7 V5 every value of a data block stays unless the block is NON_RETAIN. Where sections speak of retentivity,
+    those of the FB count for its instances.
+    """
+    declared = link.blocks.get(link.instance_type(entry), entry).block
+    said = {section.retain for section in declared.sections}
+    if not said & {"RETAIN", "NON_RETAIN"} or entry.shape is None:
+        if entry.block.non_retain:
+            memory[:] = image
+        return
+    lost = {
+        id(member)
+        for section in declared.sections
+        if section.retain == "NON_RETAIN"
+        or (section.retain != "RETAIN" and ("RETAIN" in said or entry.block.non_retain))
+        for member in section.members
+    }
+    for field in entry.shape.fields:
+        if id(field.member) not in lost:
+            continue
+        first, bit = divmod(field.offset, 8)
+        if field.shape.bits < 8:
+            mask = 1 << bit
+            memory[first] = memory[first] & ~mask & 0xFF | image[first] & mask
+        else:
+            end = first + -(-field.shape.bits // 8)
+            memory[first:end] = image[first:end]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.system.record import Key, RecordJob
-from plcgen.s7.cpu.system.s5 import Cell
+from plcgen.s7.cpu.system.timers import Cell
 
 
 @dataclass(frozen=True, slots=True)

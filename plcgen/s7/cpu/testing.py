@@ -12,13 +12,13 @@ from typing import Any
 
 from plcgen.base.diagnostics import DiagnosticError, PlcgenError
 from plcgen.s7.cpu.cpu import Cpu
-from plcgen.s7.cpu.folder import load_folder
 from plcgen.s7.cpu.outside import Stub, read_stubs
 from plcgen.s7.cpu.program import Program, Source
-from plcgen.s7.cpu.system.bus import Periphery, RecordServer
+from plcgen.s7.cpu.sources import load_folder
+from plcgen.s7.cpu.system.port import Periphery, RecordServer
 from plcgen.s7.cpu.type_rules import IecCheck
 from plcgen.s7.scl.dialect import BY_NAME, Dialect
-from plcgen.s7.types.families import Family
+from plcgen.s7.types.system import Family
 
 
 class ConditionError(PlcgenError, AssertionError):

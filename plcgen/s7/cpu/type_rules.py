@@ -195,7 +195,24 @@ def common_type(left: str, right: str, rules: TypeRules) -> str | None:
         if constant in {INT_CONST, REAL_CONST, TEXT_CONST}:
             if constant == INT_CONST and type_ in DURATIONS and not rules.checked and rules.dialect.is_tia:
                 return type_
-            return _with_constant(type_, constant)
+            if constant == INT_CONST and type_ == "BOOL":
+                return type_
+            if constant == INT_CONST:
+                fits = (
+                    type_ in INTEGERS or type_ in BITS or type_ in REALS or type_ in HARDWARE or type_ in BLOCK_NUMBERS
+                )
+                return type_ if fits or type_ in {REAL_CONST, INT_CONST} else None
+            if constant == REAL_CONST:
+                return (
+                    type_
+                    if type_ in REALS
+                    else REAL_CONST
+                    if type_ == INT_CONST
+                    else "REAL"
+                    if type_ in INTEGERS
+                    else None
+                )
+            return type_ if type_ in TEXTS or type_ in {"CHAR", "WCHAR", TEXT_CONST} else None
     table = widening(rules)
     ways = right in table.get(left, ()), left in table.get(right, ())
     if all(ways):
@@ -248,17 +265,6 @@ def common_bits(left: str, right: str, rules: TypeRules) -> str | None:
     if len(widths) < sum(name != INT_CONST for name in (left, right)):
         return None
     return next((name for name, bits in BITS.items() if widths and bits == max(widths)), None)
-
-
-def _with_constant(type_: str, constant: str) -> str | None:
-    if constant == INT_CONST and type_ == "BOOL":
-        return type_
-    if constant == INT_CONST:
-        fits = type_ in INTEGERS or type_ in BITS or type_ in REALS or type_ in HARDWARE or type_ in BLOCK_NUMBERS
-        return type_ if fits or type_ in {REAL_CONST, INT_CONST} else None
-    if constant == REAL_CONST:
-        return type_ if type_ in REALS else REAL_CONST if type_ == INT_CONST else "REAL" if type_ in INTEGERS else None
-    return type_ if type_ in TEXTS or type_ in {"CHAR", "WCHAR", TEXT_CONST} else None
 
 
 def canonical(name: str) -> str:

@@ -7,8 +7,7 @@ import math
 from typing import TYPE_CHECKING, TypeAlias
 
 from plcgen.s7.layout.layout import Entry, Layout, layout_block, leaves, locate
-from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, Elementary, StringType
-from plcgen.s7.types.errors import UnfitValueError
+from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, Elementary, StringType, UnfitValueError
 from plcgen.s7.types.initializers import Group, InitialItem, flatten, parse_initializer
 from plcgen.s7.types.literals import LiteralError, pack_literal
 from plcgen.s7.types.values import Value, pack_value, unpack_value
@@ -213,24 +212,16 @@ def _store(
         except LiteralError as error:
             _add(unfit, error)
     elif shape.element is not None:
-        _store_array(memory, shape, offset, items, unfit)
+        element = shape.element
+        total = math.prod(high - low + 1 for low, high in _bounds(shape))
+        nested = element.element is not None
+        for position, node in enumerate(flatten(_unwrap(items), total, "" if nested else "[")):
+            if position >= total:
+                _add(unfit, LiteralError("[..]", "ARRAY", f"more than {total} values"))
+            elif node is not None:
+                _store(memory, element, offset + _element_offset(shape, position), (InitialItem(node),), unfit)
     else:
         _store_struct(memory, shape, offset, items, unfit)
-
-
-def _store_array(
-    memory: bytearray, shape: Shape, offset: int, items: tuple[InitialItem, ...], unfit: list[LiteralError]
-) -> None:
-    element = shape.element
-    if element is None:
-        return
-    total = math.prod(high - low + 1 for low, high in _bounds(shape))
-    nested = element.element is not None
-    for position, node in enumerate(flatten(_unwrap(items), total, "" if nested else "[")):
-        if position >= total:
-            _add(unfit, LiteralError("[..]", "ARRAY", f"more than {total} values"))
-        elif node is not None:
-            _store(memory, element, offset + _element_offset(shape, position), (InitialItem(node),), unfit)
 
 
 def _unwrap(items: tuple[InitialItem, ...]) -> tuple[InitialItem, ...]:

@@ -15,8 +15,7 @@ from plcgen.base.diagnostics import DiagnosticError, Span
 from plcgen.base.frozen import frozen
 from plcgen.s7.layout.shapes import MAX_BYTES, MAX_ENTRIES, Field, Shape, ShapeBuilder
 from plcgen.s7.types.blocks import Block, SectionKind
-from plcgen.s7.types.data_types import ArrayType, DataType, Member, StructType
-from plcgen.s7.types.errors import UnknownPathError
+from plcgen.s7.types.data_types import ArrayType, DataType, Member, StructType, UnknownPathError
 from plcgen.s7.types.names import is_identifier
 
 if TYPE_CHECKING:

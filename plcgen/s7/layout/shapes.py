@@ -293,7 +293,14 @@ class ShapeBuilder:
         if isinstance(type_, Elementary):
             return _ELEMENTARY[type_.name]
         if isinstance(type_, StringType):
-            return self._string(type_, member)
+            limit = MAX_STRING.get(type_.name.upper(), 0)
+            if not 0 <= type_.length <= limit:
+                message = f"{type_.name}[{type_.length}]: the length must be 0 to {limit}"
+                self.report("PG806", message, member.span)
+                return _NOTHING
+            wide = type_.name.upper() == "WSTRING"
+            bits = 8 * (2 * type_.length + 4 if wide else type_.length + 2)
+            return Shape(type_, bits, 16, bits, 16, doubts=_WIDE if wide else NO_DOUBTS)
         if self._depth >= MAX_DEPTH:
             self.report("PG808", f"{member.name}: nested more than {MAX_DEPTH} levels deep", member.span)
             return _NOTHING
@@ -307,16 +314,6 @@ class ShapeBuilder:
             return self._name(type_, member)
         finally:
             self._depth -= 1
-
-    def _string(self, type_: StringType, member: Member) -> Shape:
-        limit = MAX_STRING.get(type_.name.upper(), 0)
-        if not 0 <= type_.length <= limit:
-            message = f"{type_.name}[{type_.length}]: the length must be 0 to {limit}"
-            self.report("PG806", message, member.span)
-            return _NOTHING
-        wide = type_.name.upper() == "WSTRING"
-        bits = 8 * (2 * type_.length + 4 if wide else type_.length + 2)
-        return Shape(type_, bits, 16, bits, 16, doubts=_WIDE if wide else NO_DOUBTS)
 
     def _array(self, type_: ArrayType, member: Member) -> Shape:
         if not type_.bounds:

@@ -101,7 +101,16 @@ class BlockNames:
         if isinstance(node, ast.Name):
             return self._name(node)
         if isinstance(node, ast.Address):
-            return _address(node.text)
+            # the place of an absolute address; short ones have short instructions
+            try:
+                address = parse_address(node.text.lstrip("%"))
+            except AddressError:
+                return CodeOperand(OperandArea.FAR, None)
+            type_ = ELEMENTARY.get(address.type_name)
+            if address.area == "DB":
+                return CodeOperand(OperandArea.DB, type_, f"DB{address.db}", address.db)
+            near = address.byte < _SHORT.get(address.area, 0)
+            return CodeOperand(OperandArea.NEAR if near else OperandArea.FAR, type_)
         if isinstance(node, ast.Member):
             base = self.place(node.base)
             if base is None:
@@ -118,7 +127,10 @@ class BlockNames:
     def _name(self, node: ast.Name) -> CodeOperand:
         found = None if node.scope == "quoted" else self.variables.get(node.name.upper())
         if found is None:
-            return self._global(node.name)
+            block = self.blocks.get(node.name.upper())
+            if block is not None and block.kind is BlockKind.DB:
+                return CodeOperand(OperandArea.DB, NamedType(block.name, quoted=True), block.name.upper(), block.number)
+            return CodeOperand(OperandArea.FAR, None)
         kind, member = found
         if kind is SectionKind.TEMP or self.block.kind is BlockKind.OB:
             return CodeOperand(OperandArea.TEMP, member.type)
@@ -128,12 +140,6 @@ class BlockNames:
         if self.block.kind is BlockKind.FC:
             return CodeOperand(OperandArea.TEMP if kind is SectionKind.STATIC else OperandArea.PARAMETER, member.type)
         return CodeOperand(OperandArea.STATIC, member.type)
-
-    def _global(self, name: str) -> CodeOperand:
-        block = self.blocks.get(name.upper())
-        if block is not None and block.kind is BlockKind.DB:
-            return CodeOperand(OperandArea.DB, NamedType(block.name, quoted=True), block.name.upper(), block.number)
-        return CodeOperand(OperandArea.FAR, None)
 
     def _element(self, node: ast.Index) -> CodeOperand | None:
         base = self.place(node.base)
@@ -206,16 +212,3 @@ def _constants(unit: ast.Unit | None) -> dict[str, ast.Expression]:
         if declaration.initial is not None
         for name in declaration.names
     }
-
-
-def _address(text: str) -> CodeOperand:
-    """The place of an absolute address; short ones have short instructions."""
-    try:
-        address = parse_address(text.lstrip("%"))
-    except AddressError:
-        return CodeOperand(OperandArea.FAR, None)
-    type_ = ELEMENTARY.get(address.type_name)
-    if address.area == "DB":
-        return CodeOperand(OperandArea.DB, type_, f"DB{address.db}", address.db)
-    near = address.byte < _SHORT.get(address.area, 0)
-    return CodeOperand(OperandArea.NEAR if near else OperandArea.FAR, type_)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,19 +12,72 @@ from plcgen.base.diagnostics import Diagnostic, DiagnosticError
 from plcgen.s7.layout.shapes import TypeTable
 from plcgen.s7.read.code import Code, document_code, statement_list_code, unit_code
 from plcgen.s7.read.files import Files, read_files
-from plcgen.s7.read.networks import NetworkCall, document_calls
 from plcgen.s7.read.text import parse_source
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.parser import ParseResult, parse
 from plcgen.s7.types.blocks import Block, BlockKind, block_title
-from plcgen.s7.xml.datatypes import REMANENCE
-from plcgen.s7.xml.reading.attributes import document_attributes
+from plcgen.s7.xml.reading.documents import KINDS, document_attributes
 from plcgen.s7.xml.reading.source import KEYWORDS, source
 from plcgen.s7.xml.reading.tables import TagTable
-from plcgen.s7.xml.reading.xml import load, parse_xml
+from plcgen.s7.xml.reading.xml import child, children, load, local, parse_xml, text
+from plcgen.s7.xml.spelling import REMANENCE
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
+
+
+@dataclass(frozen=True, slots=True)
+class NetworkCall:
+    """A call or instruction with its operands by parameter, spelled as in SCL; ``line`` is its line in the file."""
+
+    line: int
+    operands: tuple[tuple[str, str], ...]
+
+
+def document_calls(root: Element) -> dict[str, tuple[NetworkCall, ...]]:
+    """Calls of every block of a document by block name, network by network."""
+    found: dict[str, tuple[NetworkCall, ...]] = {}
+    for block in children(root):
+        if local(block) in KINDS:
+            name = text(child(child(block, "AttributeList"), "Name")).strip()
+            found[name] = tuple(call for network in block.iter("{*}FlgNet") for call in _calls(network))
+    return found
+
+
+def _calls(network: Element) -> Iterator[NetworkCall]:
+    """A wire joins an operand (IdentCon) to pins of parts and calls (NameCon)."""
+    parts = list(children(child(network, "Parts")))
+    operands = {part.get("UId"): operand(part) for part in parts if local(part) == "Access"}
+    pins: dict[str | None, list[tuple[str, str]]] = {
+        part.get("UId"): [] for part in parts if local(part) in {"Part", "Call"}
+    }
+    for wire in children(child(network, "Wires")):
+        ends = list(children(wire))
+        joined = next((operands.get(end.get("UId"), "") for end in ends if local(end) == "IdentCon"), "")
+        for end in ends:
+            if local(end) == "NameCon" and joined and end.get("UId") in pins:
+                pins[end.get("UId")].append((end.get("Name", "").upper(), joined))
+    for part in parts:
+        if pins.get(part.get("UId")):
+            line: object = part.sourceline
+            yield NetworkCall(line if isinstance(line, int) else 0, tuple(pins[part.get("UId")]))
+
+
+def operand(access: Element) -> str:
+    """``#a.b``, ``"DB".c``, ``256``, ``P#DB10.DBX0.0 BYTE 33``; empty for an address, whose text nothing here needs."""
+    constant = child(access, "Constant")
+    if constant is not None:
+        return text(child(constant, "ConstantValue")).strip() or f"#{constant.get('Name', '')}"
+    steps = [
+        f"{part.get('Name', '')}[..]" if len(part) and child(part, "Access") is not None else part.get("Name", "")
+        for part in children(child(access, "Symbol"))
+        if local(part) == "Component"
+    ]
+    if not steps:
+        return ""
+    first = f'"{steps[0]}"' if access.get("Scope", "").startswith("Global") else f"#{steps[0]}"
+    return ".".join([first, *steps[1:]])
+
 
 STATEMENT_LISTS = frozenset({".awl", ".stl"})
 
@@ -93,8 +146,8 @@ def read_texts(texts: Iterable[tuple[str, str]]) -> Sources:
     """Read text sources that are in memory, as (file name, text)."""
     parsed: list[ParseResult] = []
     files = Files()
-    for name, text in texts:
-        blocks, found = parse_source(text, name, keep=parsed.append)
+    for name, source_text in texts:
+        blocks, found = parse_source(source_text, name, keep=parsed.append)
         files.blocks += blocks
         files.types.update((block.name.upper(), block) for block in blocks)
         files.diagnostics += found
@@ -149,10 +202,6 @@ def _from_text(block: Block, file: str, unit: ast.Unit, result: ParseResult) -> 
     if block.kind not in {BlockKind.DB, BlockKind.UDT}:
         statement_list = Path(file).suffix.lower() in STATEMENT_LISTS
         code = statement_list_code(unit, result) if statement_list else unit_code(unit, result)
-    return SourceBlock(block, file, code, _attributes(unit), unit, result)
-
-
-def _attributes(unit: ast.Unit) -> dict[str, dict[str, str]]:
     found: dict[str, dict[str, str]] = {}
     pending: list[tuple[str, Sequence[ast.Declaration], dict[str, str]]] = []
     for section in unit.sections:
@@ -174,4 +223,4 @@ def _attributes(unit: ast.Unit) -> dict[str, dict[str, str]]:
                     spec = spec.element
                 if isinstance(spec, ast.StructSpec):
                     pending.append((f"{path}.", spec.members, {}))
-    return found
+    return SourceBlock(block, file, code, found, unit, result)

@@ -392,7 +392,11 @@ def walk(root: Node) -> Iterator[Node]:
         node = stack.pop()
         yield node
         children: list[Node] = []
-        for name in _field_names(type(node)):
+        cls = type(node)
+        names = _FIELDS.get(cls)
+        if names is None:
+            names = _FIELDS[cls] = tuple(f.name for f in fields(cls) if f.name not in {"start", "end"})
+        for name in names:
             _collect(getattr(node, name), children)
         stack.extend(reversed(children))
 
@@ -406,10 +410,3 @@ def _collect(value: object, into: list[Node]) -> None:
 
 
 _FIELDS: dict[type, tuple[str, ...]] = {}
-
-
-def _field_names(cls: type[Node]) -> tuple[str, ...]:
-    names = _FIELDS.get(cls)
-    if names is None:
-        names = _FIELDS[cls] = tuple(f.name for f in fields(cls) if f.name not in {"start", "end"})
-    return names

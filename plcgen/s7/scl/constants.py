@@ -100,25 +100,22 @@ def _evaluate_chain(node: ast.Binary, known: Mapping[str, int]) -> int | None:
         right = evaluate(link.right, known)
         if value is None or right is None:
             return None
-        value = _apply(link.operator, value, right)
+        operator = link.operator
+        result: int | None = None
+        if operator == "+":
+            result = value + right
+        elif operator == "-":
+            result = value - right
+        elif operator == "*":
+            result = value * right
+        elif operator in {"/", "DIV"} and right:
+            result = abs(value) // abs(right) * (1 if (value < 0) == (right < 0) else -1)
+        elif operator == "MOD" and right:
+            result = abs(value) % abs(right) * (-1 if value < 0 else 1)
+        elif operator == "**" and 0 <= right <= 64 and abs(value) <= 2**16:
+            result = value**right
+        value = result if result is not None and abs(result) < _LIMIT else None
     return value
-
-
-def _apply(operator: str, left: int, right: int) -> int | None:
-    result: int | None = None
-    if operator == "+":
-        result = left + right
-    elif operator == "-":
-        result = left - right
-    elif operator == "*":
-        result = left * right
-    elif operator in {"/", "DIV"} and right:
-        result = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1)
-    elif operator == "MOD" and right:
-        result = abs(left) % abs(right) * (-1 if left < 0 else 1)
-    elif operator == "**" and 0 <= right <= 64 and abs(left) <= 2**16:
-        result = left**right
-    return result if result is not None and abs(result) < _LIMIT else None
 
 
 def type_of(node: ast.Expression, value: int | None) -> DataType:

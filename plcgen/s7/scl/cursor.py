@@ -186,20 +186,17 @@ class Cursor:
                     name += "." + self.word("a name")
                 value = ""
                 if self.accept(":=") or self.accept("="):
-                    value = self.attribute_value()
+                    # return the literal behind ``:=`` without quotes
+                    pos = self.pos
+                    if self.kinds[pos] in {EOF, ERROR, ";", "}", ","}:
+                        raise self.expected("an attribute value")
+                    self.pos += 1
+                    text = self.texts[pos]
+                    value = text[1:-1] if text[0] in "'\"" else text
                 found.append(ast.Attribute(start, self.last_end, name, value))
                 if not (self.accept(";") or self.accept(",")) and self.kinds[self.pos] != "}":
                     raise self.expected("';' or '}'")
         return tuple(found)
-
-    def attribute_value(self) -> str:
-        """Return the literal behind ``:=`` without quotes."""
-        pos = self.pos
-        if self.kinds[pos] in {EOF, ERROR, ";", "}", ","}:
-            raise self.expected("an attribute value")
-        self.pos += 1
-        text = self.texts[pos]
-        return text[1:-1] if text[0] in "'\"" else text
 
 
 def unquote(text: str) -> str:

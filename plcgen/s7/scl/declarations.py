@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from textwrap import dedent
 from typing import TypeVar
@@ -17,9 +18,8 @@ from plcgen.s7.scl.constants import evaluate, project_names, type_of
 from plcgen.s7.scl.cursor import MAX_ERRORS
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.scl.grammar.documents import NUMBER, SAFETY, SCL
+from plcgen.s7.scl.instructions import SYSTEM_TYPES
 from plcgen.s7.scl.parser import ParseResult
-from plcgen.s7.scl.system_types import SYSTEM_TYPES
-from plcgen.s7.scl.unknown_names import UnknownNames, keys_of
 from plcgen.s7.types.blocks import Assignment, Block, BlockKind, Section, SectionKind
 from plcgen.s7.types.data_types import (
     ALIASES,
@@ -35,6 +35,44 @@ from plcgen.s7.types.data_types import (
     innermost,
     nested,
 )
+
+
+@dataclass(slots=True)
+class UnknownNames:
+    """What has been reported, whatever it was taken for: a type, a tag, a constant, a block.
+
+    ``warned`` are names of bounds and lengths, and where a warning tells of them: in code the same name is an error.
+    """
+
+    reported: set[str] = field(default_factory=set)
+    warned: dict[str, Span] = field(default_factory=dict)
+
+    def add(self, *names: str) -> bool:
+        """Whether none of the keys of a name has been reported; now they have."""
+        keys = {name.upper() for name in names}
+        if not self.reported.isdisjoint(keys):
+            return False
+        self.reported |= keys
+        return True
+
+    def warn(self, span: Span, *names: str) -> bool:
+        """Whether nothing has been said of any of the keys of a name; now there is a warning."""
+        keys = {name.upper() for name in names}
+        if not keys.isdisjoint(self.reported | self.warned.keys()):
+            return False
+        self.warned |= dict.fromkeys(keys, span)
+        return True
+
+    def replaced(self) -> set[Span]:
+        """Places of the warnings whose name is an error elsewhere."""
+        return {span for key, span in self.warned.items() if key in self.reported}
+
+
+def keys_of(node: ast.Name, block: str) -> tuple[str, ...]:
+    """Keys of a name: with ``#`` it is another one in every block, without ``#`` and quotes it may be either."""
+    local = f"{block}#{node.name}"
+    return (local,) if node.scope == "local" else (node.name, local) if node.scope == "bare" else (node.name,)
+
 
 Where = TypeVar("Where")
 
@@ -137,7 +175,17 @@ class _Builder:
             sections.append(Section(SectionKind.RETURN, (result,)))
         if kind in {BlockKind.DB, BlockKind.UDT}:
             sections = _merged(sections)
-        self.check_duplicates(sections)
+        # PG805: names are unique within a block and within a structure, whatever their case
+        pending: list[tuple[Member, ...]] = [tuple(m for s in sections for m in s.members)]
+        while pending:
+            members = pending.pop()
+            first: dict[str, Member] = {}
+            for member in members:
+                known = first.setdefault(member.name.upper(), member)
+                if known is not member:
+                    self.duplicate(member, known)
+                if inside := inner_members(member.type):
+                    pending.append(inside)
         properties = dict(unit.properties)
         title = properties.pop("TITLE", "")
         return Block(
@@ -242,19 +290,6 @@ class _Builder:
             span = self.result.tokens.span(name.start, name.end)
             found.append(Member(name.name, data_type, start, declaration.comment, declaration.at, span, pairs))
         return found
-
-    def check_duplicates(self, sections: Iterable[Section]) -> None:
-        """PG805: names are unique within a block and within a structure, whatever their case."""
-        pending: list[tuple[Member, ...]] = [tuple(m for s in sections for m in s.members)]
-        while pending:
-            members = pending.pop()
-            first: dict[str, Member] = {}
-            for member in members:
-                known = first.setdefault(member.name.upper(), member)
-                if known is not member:
-                    self.duplicate(member, known)
-                if inside := inner_members(member.type):
-                    pending.append(inside)
 
     def duplicate(self, member: Member, known: Member) -> None:
         """Two members with one name, with both places; so many that nobody reads them are left out."""

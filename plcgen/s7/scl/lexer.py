@@ -206,14 +206,6 @@ def _classify(text: str) -> str:
         return STRING if _PATTERN_TEXT.fullmatch(text) else ERROR
     if first in "0123456789":
         return INT if "#" in text or text.replace("_", "").isdigit() else REAL
-    return _classify_word(text)
-
-
-_PATTERN_TEXT = re.compile(_TEXT)
-_PATTERN_WORD = re.compile(_WORD)
-
-
-def _classify_word(text: str) -> str:
     if "#" in text:
         return POINTER if text[:2] in {"P#", "p#"} else TYPED
     upper = text.upper()
@@ -222,6 +214,10 @@ def _classify_word(text: str) -> str:
     if text.isidentifier() or _PATTERN_WORD.fullmatch(text):
         return ADDRESS if text[0] in _AREAS and _SHORT_ADDRESS.fullmatch(text) else NAME
     return ADDRESS if text[0] in "DdPpIiEeQqAaMm" and len(text) > 1 else ERROR
+
+
+_PATTERN_TEXT = re.compile(_TEXT)
+_PATTERN_WORD = re.compile(_WORD)
 
 
 _SHORT_ADDRESS = re.compile(r"(?i:(?:P[IEQA]|[IEQAM])[BWDL][0-9]+)")

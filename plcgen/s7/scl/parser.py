@@ -10,15 +10,11 @@ from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.s7.scl import ast, dialects
 from plcgen.s7.scl.cursor import Cursor, Halt, lexical_error
 from plcgen.s7.scl.dialect import Dialect
-from plcgen.s7.scl.grammar.branches import Branches
-from plcgen.s7.scl.grammar.cases import Cases
 from plcgen.s7.scl.grammar.declarations import Declarations
 from plcgen.s7.scl.grammar.documents import document_tokens, is_document
-from plcgen.s7.scl.grammar.expressions import Expressions
-from plcgen.s7.scl.grammar.labels import CaseLabels
-from plcgen.s7.scl.grammar.statements import Statements
+from plcgen.s7.scl.grammar.expressions import Expressions, InitialValues
+from plcgen.s7.scl.grammar.statements import Branches, CaseLabels, Cases, Statements
 from plcgen.s7.scl.grammar.units import Units
-from plcgen.s7.scl.grammar.values import InitialValues
 from plcgen.s7.scl.lexer import ERROR, Tokens, tokenize
 
 MAX_CHARACTERS = 8 * 1024 * 1024
@@ -62,7 +58,22 @@ def parse(
     else:
         tokens = tokenize(text, file) if bodies else _statement_list(text, file)
     cursor = Cursor(tokens)
-    grammar = _grammar(cursor, words, bodies=bodies, sign_first=dialect is not None and dialect.is_tia)
+    sign_first = dialect is not None and dialect.is_tia
+    expressions = Expressions(cursor, sign_first)
+    values = InitialValues(cursor, expressions)
+    kinds = cursor.kinds
+    jump_labels = frozenset(cursor.texts[i + 1].upper() for i, kind in enumerate(kinds) if kind == "GOTO")
+    labels = CaseLabels(cursor, expressions, jump_labels)
+    statements = Statements(cursor, expressions, values, labels, "END_REGION" in kinds)
+    branches = Branches(cursor, expressions, statements)
+    cases = Cases(cursor, expressions, labels, statements)
+    statements.compound |= {
+        "IF": branches.if_statement, "FOR": branches.for_statement, "WHILE": branches.while_statement,
+        "REPEAT": branches.repeat_statement, "CASE": cases.case_statement, "REGION": cases.region,
+        "EXIT": statements.jump, "CONTINUE": statements.jump, "RETURN": statements.jump, "GOTO": statements.goto,
+    }  # fmt: skip
+    declarations = Declarations(cursor, expressions, values, words)
+    grammar = Units(cursor, declarations, values, statements, bodies, words)
     units = grammar.read()
     grammar.statements.compound.clear()  # its memory is free now, not when the garbage collector comes
     found = cursor.diagnostics + _lexical(cursor)
@@ -79,25 +90,6 @@ def parse_value(text: str) -> ast.Expression | None:
         return InitialValues(cursor, Expressions(cursor)).read()
     except Halt:
         return None
-
-
-def _grammar(cursor: Cursor, texts: Mapping[str, str] | None, *, bodies: bool, sign_first: bool) -> Units:
-    """Put the parts together: each is given those it needs."""
-    expressions = Expressions(cursor, sign_first)
-    values = InitialValues(cursor, expressions)
-    kinds = cursor.kinds
-    jump_labels = frozenset(cursor.texts[i + 1].upper() for i, kind in enumerate(kinds) if kind == "GOTO")
-    labels = CaseLabels(cursor, expressions, jump_labels)
-    statements = Statements(cursor, expressions, values, labels, "END_REGION" in kinds)
-    branches = Branches(cursor, expressions, statements)
-    cases = Cases(cursor, expressions, labels, statements)
-    statements.compound |= {
-        "IF": branches.if_statement, "FOR": branches.for_statement, "WHILE": branches.while_statement,
-        "REPEAT": branches.repeat_statement, "CASE": cases.case_statement, "REGION": cases.region,
-        "EXIT": statements.jump, "CONTINUE": statements.jump, "RETURN": statements.jump, "GOTO": statements.goto,
-    }  # fmt: skip
-    declarations = Declarations(cursor, expressions, values, texts)
-    return Units(cursor, declarations, values, statements, bodies, texts)
 
 
 def _statement_list(text: str, file: str) -> Tokens:

@@ -1,11 +1,15 @@
-"""Layout tables of blocks read from sources: members, gaps, folded arrays, and the rules each place rests on."""
+"""Layout tables of blocks read from sources: members, gaps, folded arrays, and the rules each place rests on.
+
+Without the members of types of libraries no place behind them is known. A block with optimized access has no places, so
+it can be shown all the same.
+"""
 
 from __future__ import annotations
 
 import itertools
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -13,19 +17,59 @@ from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Note, Severity,
 from plcgen.s7.layout.evidence import NO_DOUBTS, rule
 from plcgen.s7.layout.image import StartValueError, image
 from plcgen.s7.layout.layout import layout_block, locate, split_path
-from plcgen.s7.layout.shapes import union
-from plcgen.s7.tables.libraries import with_library_types
+from plcgen.s7.layout.shapes import NO_MEMORY, union
 from plcgen.s7.tables.tables import GAP, MORE, BlockTable, LayoutRow, member_address, size_text
-from plcgen.s7.types.absent import is_numbered
-from plcgen.s7.types.blocks import BlockKind
-from plcgen.s7.types.data_types import ArrayType, Elementary
-from plcgen.s7.types.spelling import type_text
+from plcgen.s7.types.blocks import Block, BlockKind, is_numbered
+from plcgen.s7.types.data_types import ArrayType, Elementary, NamedType, elementary, innermost, nested
+from plcgen.s7.types.literals import type_text
+from plcgen.s7.types.system import system_block
 
 if TYPE_CHECKING:
     from plcgen.s7.layout.layout import Layout
     from plcgen.s7.layout.shapes import Shape
-    from plcgen.s7.types.blocks import Block
     from plcgen.s7.types.data_types import Member
+
+_MARK = "InstructionName"
+
+
+def with_library_types(block: Block, types: Mapping[str, Block]) -> tuple[dict[str, Block], list[Diagnostic]]:
+    """All types, those of libraries that nobody declares without members, and a warning (PG806) for each of these."""
+    known, warnings = dict(types), []
+    owner = known.get((block.instance_of or "").upper())
+    pending, seen = [block] if owner is None else [block, owner], {block.name.upper()}
+    while pending:
+        for type_, span, library in _used(pending.pop()):
+            key = type_.name.upper()
+            if key in seen:
+                continue
+            declared = known.get(key)
+            if declared is not None:
+                seen.add(key)
+                pending.append(declared)
+            elif (
+                library
+                and elementary(type_.name) is None
+                and type_.name.upper() not in NO_MEMORY
+                and system_block(type_.name) is None
+            ):
+                seen.add(key)
+                known[key] = Block(BlockKind.UDT, type_.name, ())
+                warnings.append(_warning(type_.name, span or block.span or Span(block.name)))
+    return known, warnings
+
+
+def _warning(name: str, place: Span) -> Diagnostic:
+    message = f"the members of {name} are not known to plcgen: shown without them"
+    return Diagnostic("PG806", message, place, Severity.WARNING, help="its instance DB or online view shows them")
+
+
+def _used(block: Block) -> Iterator[tuple[NamedType, Span | None, bool]]:
+    """Named types of all members, in their order, and whether a library of the TIA Portal has them."""
+    for member in nested(block.members):
+        type_ = innermost(member.type)
+        if isinstance(type_, NamedType):
+            yield type_, member.span, any(name == _MARK for name, _ in member.attributes)
+
 
 MAX_ROWS = 200_000
 """Rows of all blocks together; after that structures and arrays are one row."""
@@ -48,7 +92,9 @@ def block_tables(
     room = MAX_ROWS
     for source in blocks:
         if source.kind in _WITH_MEMORY:
-            block = _with_access(source, types)
+            owner = types.get((source.instance_of or "").upper())
+            optimized = source.optimized is None and owner is not None and owner.optimized
+            block = replace(source, optimized=True) if optimized else source
             try:
                 known, warnings = with_library_types(block, types) if block.optimized else (types, [])
                 block = _with_places(block, known) if warnings else block
@@ -58,14 +104,13 @@ def block_tables(
                 room -= len(tables[-1].rows)
             except DiagnosticError as problem:
                 found += problem.diagnostics
-    return tables, _grouped(dict.fromkeys(found))
-
-
-def _with_access(block: Block, types: Mapping[str, Block]) -> Block:
-    """An instance that says nothing of its access has the optimized one of its FB."""
-    owner = types.get((block.instance_of or "").upper())
-    optimized = block.optimized is None and owner is not None and owner.optimized
-    return replace(block, optimized=True) if optimized else block
+    diagnostics = dict.fromkeys(found)
+    # put the uses of one unknown type together: the first is the diagnostic, the others its notes
+    groups: dict[tuple[str, str], list[Diagnostic]] = {}
+    for diagnostic in diagnostics:
+        place = "" if diagnostic.code == "PG806" else str(diagnostic.span)
+        groups.setdefault((diagnostic.code, (diagnostic.message + place).upper()), []).append(diagnostic)
+    return tables, [_with_uses(group) for group in groups.values()]
 
 
 def _with_places(block: Block, types: Mapping[str, Block]) -> Block:
@@ -80,15 +125,6 @@ def _is_place(layout: Layout, path: str) -> bool:
     except KeyError:
         return False
     return True
-
-
-def _grouped(diagnostics: Mapping[Diagnostic, None]) -> list[Diagnostic]:
-    """Put the uses of one unknown type together: the first is the diagnostic, the others its notes."""
-    groups: dict[tuple[str, str], list[Diagnostic]] = {}
-    for diagnostic in diagnostics:
-        place = "" if diagnostic.code == "PG806" else str(diagnostic.span)
-        groups.setdefault((diagnostic.code, (diagnostic.message + place).upper()), []).append(diagnostic)
-    return [_with_uses(group) for group in groups.values()]
 
 
 def _with_uses(group: list[Diagnostic]) -> Diagnostic:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from plcgen.s7.layout.layout import Entry, layout_block, leaves
 from plcgen.s7.tables.tables import member_address
 from plcgen.s7.types.blocks import Block, BlockKind
-from plcgen.s7.types.spelling import type_text
+from plcgen.s7.types.literals import type_text
 
 if TYPE_CHECKING:
     from plcgen.s7.types.data_types import Member

@@ -1,13 +1,16 @@
-"""Memory layouts as rows: one table a block, with the footnotes of places that no compiled block confirms."""
+"""Memory layouts as rows, text and data: one table a block, footnotes of places that no compiled block confirms."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcgen.base.diagnostics import Diagnostic, has_errors
-from plcgen.base.display.cells import clean
+from plcgen.base.display.cells import clean, cut, pad
+from plcgen.base.display.data import diagnostic_data, head
+from plcgen.base.display.table import text_table
+from plcgen.base.display.view import View
 from plcgen.s7.types.blocks import block_title
 
 if TYPE_CHECKING:
@@ -155,3 +158,152 @@ def member_address(db: int | None, byte: int, bit: int | None, bits: int) -> str
     """``DB3.DBW6``; ``DBW6`` without a number; larger members show their first byte."""
     block = "" if db is None else f"DB{db}."
     return f"{block}DB{_LETTERS.get(bits, 'B')}{byte}" if bit is None else f"{block}DBX{byte}.{bit}"
+
+
+def layout_data(result: LayoutResult) -> dict[str, Any]:
+    """Blocks with their members; offsets and sizes as numbers."""
+    return {
+        **head("layout", ok=result.ok),
+        "blocks": [_block_data(block) for block in result.blocks],
+        "diagnostics": [diagnostic_data(d) for d in result.diagnostics],
+    }
+
+
+def _block_data(block: BlockTable) -> dict[str, Any]:
+    return {
+        "kind": block.kind,
+        "name": block.name,
+        "number": block.number,
+        "size": block.size,
+        "unused_bits": block.unused,
+        "optimized": block.size is None,
+        "role": block.role,
+        "comment": block.comment,
+        "file": block.file,
+        "line": block.line,
+        "data": None if block.data is None else block.data.hex().upper(),
+        "members": [_member(row, path) for row, path in zip(block.rows, member_paths(block.rows), strict=True)],
+        "unconfirmed_rules": {rule.key: rule.text for rule in block.rules},
+    }
+
+
+def member_paths(rows: Sequence[LayoutRow]) -> Iterator[str]:
+    """``drive[1].speed`` for every member and element, empty for gaps and folds."""
+    above: list[str] = []
+    for row in rows:
+        del above[row.depth :]
+        if row.kind in {GAP, MORE}:
+            yield ""
+            continue
+        parent = above[-1] if above else ""
+        above.append(parent + row.name if row.name.startswith("[") or not parent else f"{parent}.{row.name}")
+        yield above[-1]
+
+
+def _member(row: LayoutRow, path: str) -> dict[str, Any]:
+    return {
+        "name": row.name,
+        "path": path,
+        "byte": row.byte,
+        "bit": row.bit,
+        "bits": None if row.byte is None else row.bits,
+        "address": row.address,
+        "type": row.type,
+        "start": row.start,
+        "depth": row.depth,
+        "comment": row.comment,
+        "role": row.role,
+        "kind": row.kind,
+        "unconfirmed": list(row.rules),
+    }
+
+
+_RIGHT = frozenset({0, 4})
+_LONG = 6
+"""Rows after which the picture shortens a member to its first and last two bytes."""
+
+_CELL = 31
+"""Columns of a byte in the picture."""
+_START = 36
+"""Columns of start values on a screen; files have them whole."""
+
+
+def layout_text(blocks: Sequence[BlockTable], view: View) -> str:
+    """Tables for people; telegram buffers get their picture below the table.
+
+    A screen cuts long lines with ``...``; files have them whole.
+    """
+    return "\n".join(_block(block, view) for block in blocks)
+
+
+def _block(block: BlockTable, view: View) -> str:
+    width = view.width if view.target == "screen" else 0
+    lines = [f"{view.paint(block.title, 'bold')}  {block.summary}"]
+    if block.comment:
+        lines.append(view.paint(f"  {cut(clean(block.comment), width or 160)}", "dim"))
+    shown, right = shown_columns(block, _START if width else 0)
+    header, *rows = text_table(shown[0], shown[1:], right=right)
+    if width:
+        header, *rows = [cut(line, width) for line in (header, *rows)]
+    lines.append(view.paint(header, "dim"))
+    lines += [view.paint(text, "dim" if row.kind != MEMBER else "") for row, text in zip(block.rows, rows, strict=True)]
+    lines += [f"  {mark}  {text}" for mark, text in block.footnotes]
+    if view.grid and block.data is not None:
+        lines += ["", *picture(block)]
+    return "\n".join(lines) + "\n"
+
+
+def shown_columns(block: BlockTable, start: int = 0) -> tuple[list[tuple[str, ...]], frozenset[int]]:
+    """Header and rows, without columns that are empty in every row; the numbers of the right-aligned ones.
+
+    ``start`` (0: none) cuts the start values to so many columns.
+    """
+    table: list[tuple[str, ...]] = [(*HEADER[:5], "rule", *HEADER[5:])]
+    for row in block.rows:
+        *cells, value, comment = row.cells()
+        table.append((*cells, block.mark(row), cut(clean(value), start) if start else value, comment))
+    kept = [n for n in range(len(table[0])) if n in {2, 3} or any(row[n] for row in table[1:])]
+    right = frozenset(kept.index(n) for n in _RIGHT if n in kept)
+    return [tuple(row[n] for n in kept) for row in table], right
+
+
+def picture(block: BlockTable) -> list[str]:
+    """Draw the bytes of a telegram, two to a row, with the member each belongs to."""
+    data = block.data or b""
+    rule = f"       +{'-' * _CELL}+{'-' * _CELL}+"
+    lines = [f"  byte  {pad('+0', _CELL)} +1", rule]
+    byte = 0
+    for row in block.rows:
+        if row.byte is None or row.bits < 8:
+            continue
+        size = row.bits // 8
+        if byte == 4:
+            lines.append(rule)
+        start = row.byte
+        # rows of one member as (first byte, number of bytes); None where rows are left out
+        first = start - start % 2
+        pieces: list[tuple[int, int] | None] = []
+        for word in range(first, start + size, 2):
+            begin = max(word, start)
+            pieces.append((begin, min(word + 2, start + size) - begin))
+        for step in [*pieces[:2], None, *pieces[-2:]] if len(pieces) > _LONG else pieces:
+            if step is None:
+                lines.append(f"       |{pad(' ...', 2 * _CELL + 1)}|")
+            else:
+                _draw(lines, row, data, step)
+        byte = row.byte + size
+    if lines[-1].count("|") == 2 and byte % 2:
+        lines[-1] += f"{' ' * _CELL}|"
+    return [*lines, rule]
+
+
+def _draw(lines: list[str], row: LayoutRow, data: bytes, step: tuple[int, int]) -> None:
+    begin, count = step
+    values = " ".join(f"{value:02X}" for value in data[begin : begin + count])
+    name = clean(row.name) if begin == row.byte else '"'
+    text = cut(f" {values}  {name}", _CELL * count + count - 1)
+    drawn = pad(text, _CELL * count + count - 1)
+    if begin % 2:
+        lines[-1] += f"{drawn}|"
+    else:
+        lines.append(f"{begin:6d} |{drawn}|")

@@ -108,16 +108,13 @@ class Pointer:
 
     def pack_pointer(self) -> bytes:
         """POINTER, 6 bytes: DB number, then the area pointer."""
-        return (self.start.db or 0).to_bytes(2) + self._area_pointer()
+        area = "P" if self.start.area.startswith("P") else self.start.area
+        return (self.start.db or 0).to_bytes(2) + (AREAS[area] << 24 | self.start.offset).to_bytes(4)
 
     def pack_any(self) -> bytes:
         """ANY, 10 bytes: 16#10, type code, count, DB number, area pointer."""
         code = _KINDS[self.kind or "BYTE"][0]
         return bytes((0x10, code)) + self.count.to_bytes(2) + self.pack_pointer()
-
-    def _area_pointer(self) -> bytes:
-        area = "P" if self.start.area.startswith("P") else self.start.area
-        return (AREAS[area] << 24 | self.start.offset).to_bytes(4)
 
 
 def unpack_pointer(data: bytes) -> Pointer | None:

@@ -7,6 +7,7 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeAlias
 
+from plcgen.base.diagnostics import PlcgenError
 from plcgen.base.frozen import frozen
 
 if TYPE_CHECKING:
@@ -146,3 +147,11 @@ def elementary(name: str) -> Elementary | None:
     """Look an elementary type up by any spelling (case-insensitive, aliases allowed)."""
     upper = name.upper()
     return ELEMENTARY.get(ALIASES.get(upper, upper))
+
+
+class UnknownPathError(PlcgenError, KeyError):
+    """A path, name or address that nothing has, or an index out of its bounds."""
+
+
+class UnfitValueError(PlcgenError, ValueError):
+    """A value that its type cannot hold, or bytes that mean nothing in it."""

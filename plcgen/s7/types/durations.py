@@ -10,7 +10,7 @@ import datetime as dt
 import re
 from decimal import Decimal
 
-from plcgen.s7.types.errors import UnfitValueError
+from plcgen.s7.types.data_types import UnfitValueError
 
 _UNITS = {"D": 86_400_000_000_000, "H": 3_600_000_000_000, "M": 60_000_000_000, "S": 1_000_000_000}
 _UNITS |= {"MS": 1_000_000, "US": 1_000, "NS": 1}

@@ -5,12 +5,21 @@ from __future__ import annotations
 import datetime as dt
 import math
 import re
+import struct
 
 from plcgen.base.diagnostics import PlcgenError
 from plcgen.s7.types import durations
-from plcgen.s7.types.address import parse_pointer
-from plcgen.s7.types.data_types import ALIASES, ELEMENTARY, Elementary, StringType, elementary
-from plcgen.s7.types.spelling import rounded_single, spell
+from plcgen.s7.types.address import Pointer, parse_pointer
+from plcgen.s7.types.data_types import (
+    ALIASES,
+    ELEMENTARY,
+    ArrayType,
+    DataType,
+    Elementary,
+    NamedType,
+    StringType,
+    elementary,
+)
 from plcgen.s7.types.values import BIT_STRINGS, NUMBERS, RANGES, SIGNED, UNSIGNED, Value, pack_value
 
 _SHORT = {
@@ -94,7 +103,14 @@ def _parse(text: str, type_: Elementary | StringType) -> Value:
         return None if body.upper() in ("NIL", "NULL") else parse_pointer(text)
     if name == "BOOL":
         _expect(prefix, {"", "BOOL"})
-        return _bool(body)
+        upper = body.upper()
+        if upper in ("TRUE", "FALSE"):
+            return upper == "TRUE"
+        if _DECIMAL.fullmatch(body) or _BASED.fullmatch(body):
+            value, _ = _number(body)
+            if value in (0, 1):
+                return value == 1
+        raise ValueError("TRUE, FALSE, 1 or 0")
     if name in BIT_STRINGS or name in _INTEGERS:
         return _whole(prefix, body, name)
     if name in ("REAL", "LREAL"):
@@ -105,7 +121,17 @@ def _parse(text: str, type_: Elementary | StringType) -> Value:
         return _unquote(body, wide=name == "WCHAR")
     # S7-SCL converts a TIME constant where S5TIME is wanted: TV := T#5s
     _expect(prefix, {name, "TIME"} if name == "S5TIME" else {name})
-    return _time(body, name)
+    if name in ("TIME", "S5TIME", "LTIME"):
+        return _ticks(durations.parse_duration(body), name)
+    if name == "DATE":
+        return durations.parse_date(body)
+    if name in ("TIME_OF_DAY", "LTIME_OF_DAY"):
+        return _ticks(durations.parse_clock(body, 9 if name[0] == "L" else 3), name)
+    date, clock = durations.parse_moment(body, 3 if name == "DATE_AND_TIME" else 9)
+    if name == "DATE_AND_TIME":
+        start = dt.datetime.combine(date, dt.time())
+        return start + dt.timedelta(microseconds=clock // 1000)
+    return durations.since_epoch(date, clock)
 
 
 def _prefix(text: str) -> tuple[str, str]:
@@ -126,23 +152,14 @@ def _expect(prefix: str, allowed: set[str]) -> None:
     raise ValueError(f"it needs the prefix {wanted}")
 
 
-def _bool(body: str) -> bool:
-    upper = body.upper()
-    if upper in ("TRUE", "FALSE"):
-        return upper == "TRUE"
-    if _DECIMAL.fullmatch(body) or _BASED.fullmatch(body):
-        value, _ = _number(body)
-        if value in (0, 1):
-            return value == 1
-    raise ValueError("TRUE, FALSE, 1 or 0")
-
-
 def _whole(prefix: str, body: str, name: str) -> int:
     place = _PLACE[name].fullmatch(body) if name in _PLACE else None
     if place is not None:
         return int(place[1])
     if prefix == "C" and name == "WORD":
-        return _counter(body)
+        if not (body.isascii() and body.isdecimal()) or int(body) > 999:
+            raise ValueError("C# counts from 0 to 999")
+        return durations.to_bcd(int(body))
     within = _WITHIN.fullmatch(f"P#{body}") if prefix == "P" and name == "DWORD" else None
     if within is not None and int(within[1]) < 1 << 16:
         return int(within[1]) << 3 | int(within[2])
@@ -191,12 +208,6 @@ def _number(body: str) -> tuple[int, bool]:
     return int(match[2].replace("_", "") or "x", int(match[1])), False
 
 
-def _counter(body: str) -> int:
-    if not (body.isascii() and body.isdecimal()) or int(body) > 999:
-        raise ValueError("C# counts from 0 to 999")
-    return durations.to_bcd(int(body))
-
-
 def _real(body: str) -> float:
     if _REAL.fullmatch(body) is None:
         raise ValueError("a real number looks like 10.0 or 1.0E+1")
@@ -204,20 +215,6 @@ def _real(body: str) -> float:
     if math.isinf(value):
         raise ValueError("too large")
     return value
-
-
-def _time(body: str, name: str) -> Value:
-    if name in ("TIME", "S5TIME", "LTIME"):
-        return _ticks(durations.parse_duration(body), name)
-    if name == "DATE":
-        return durations.parse_date(body)
-    if name in ("TIME_OF_DAY", "LTIME_OF_DAY"):
-        return _ticks(durations.parse_clock(body, 9 if name[0] == "L" else 3), name)
-    date, clock = durations.parse_moment(body, 3 if name == "DATE_AND_TIME" else 9)
-    if name == "DATE_AND_TIME":
-        start = dt.datetime.combine(date, dt.time())
-        return start + dt.timedelta(microseconds=clock // 1000)
-    return durations.since_epoch(date, clock)
 
 
 def _ticks(nanoseconds: int, name: str) -> int:
@@ -261,3 +258,88 @@ def format_literal(value: Value, type_name: str, dialect_v5: bool = False) -> st
         return spell(value, type_, v5=dialect_v5)
     except (ValueError, OverflowError) as error:
         raise LiteralError(repr(value), type_.name, str(error)) from None
+
+
+_V5_PREFIX = {"BYTE": "B#", "WORD": "W#", "DWORD": "DW#", "LWORD": "LWORD#"}
+_DIGITS = {"BYTE": 2, "WORD": 4, "DWORD": 8, "LWORD": 16}
+
+
+def spell(value: Value, type_: Elementary | StringType, *, v5: bool) -> str:
+    """Spell a value that fits its type: STEP 7 V5 with ``B#16#`` and ``L#``, TIA Portal without.
+
+    Raises ValueError for infinities and NaN: they have no literal.
+    """
+    name = type_.name
+    if isinstance(type_, StringType) or name in ("CHAR", "WCHAR"):
+        wide = name.startswith("W")
+        quoted = "'" + "".join(_character(char, wide=wide) for char in str(value)) + "'"
+        return f"{name}#{quoted}" if wide else quoted
+    if name == "BOOL":
+        return "TRUE" if value else "FALSE"
+    if name in ("REAL", "LREAL") and isinstance(value, int | float):
+        return format_real(float(value), short=name == "REAL")
+    if isinstance(value, Pointer):
+        return str(value)
+    if isinstance(value, dt.datetime):
+        clock = ((value.hour * 60 + value.minute) * 60 + value.second) * 1000 + value.microsecond // 1000
+        return f"DT#{value.date().isoformat()}-{durations.format_clock(clock * durations.NS_PER_MS, 3)}"
+    if isinstance(value, dt.date):
+        return f"D#{value.isoformat()}"
+    if isinstance(value, int):
+        if name in BIT_STRINGS:
+            return f"{_V5_PREFIX[name] if v5 else ''}16#{value:0{_DIGITS[name]}X}"
+        if name in ("TIME", "S5TIME", "LTIME"):
+            prefix = {"TIME": "T#", "S5TIME": "S5T#", "LTIME": "LT#"}[name]
+            nanoseconds = value if name == "LTIME" else value * durations.NS_PER_MS
+            return prefix + durations.format_duration(nanoseconds)
+        if name == "TIME_OF_DAY":
+            return f"TOD#{durations.format_clock(value * durations.NS_PER_MS, 3)}"
+        if name == "LTIME_OF_DAY":
+            return f"LTOD#{durations.format_clock(value, 9)}"
+        if name in ("LDT", "DTL"):
+            return f"{name}#{durations.format_moment(value, 9)}"
+        return f"L#{value}" if v5 and name == "DINT" else str(value)
+    return "NIL" if v5 else "NULL"
+
+
+def rounded_single(value: float) -> float:
+    """Round to a 32-bit REAL."""
+    result: float = struct.unpack(">f", struct.pack(">f", value))[0]
+    return result
+
+
+def format_real(value: float, *, short: bool = True) -> str:
+    """Shortest decimal with a point that reads back to the same REAL (LREAL): ``10.0``, ``1.0E+20``.
+
+    Raises ValueError for infinities and NaN: they have no literal.
+    """
+    if not math.isfinite(value):
+        raise ValueError(f"{value} has no literal")
+    if short:
+        wanted = rounded_single(value)
+        spellings = (float(f"{wanted:.{digits}g}") for digits in range(1, 18))
+        value = next(number for number in spellings if abs(number) < 3.4028236e38 and rounded_single(number) == wanted)
+    mantissa, _, exponent = repr(value).partition("e")
+    if "." not in mantissa:
+        mantissa += ".0"
+    return f"{mantissa}E{int(exponent):+d}" if exponent else mantissa
+
+
+def _character(char: str, *, wide: bool) -> str:
+    if char in "$'":
+        return f"${char}"
+    if char.isprintable():
+        return char
+    codes = char.encode("utf-16-be", "surrogatepass").hex().upper() if wide else f"{ord(char):02X}"
+    return "".join(f"${codes[i : i + 4]}" for i in range(0, len(codes), 4))
+
+
+def type_text(type_: DataType) -> str:
+    """Type in the spelling of STEP 7 V5, which every S7 engineer reads: ``ARRAY[0..3] OF BYTE``."""
+    if isinstance(type_, ArrayType):
+        return f"ARRAY[{type_.bounds_text}] OF {type_text(type_.element)}"
+    if isinstance(type_, StringType):
+        return f"{type_.name}[{type_.length}]"
+    if isinstance(type_, NamedType):
+        return f'"{type_.name}"' if type_.quoted else type_.name
+    return type_.name if isinstance(type_, Elementary) else "STRUCT"

@@ -1,4 +1,4 @@
-"""Python values to big-endian bytes and back, forevery elementary type and string.
+"""Python values to big-endian bytes and back, for every elementary type and string.
 
 BOOL is bool; bit strings and integers are int; REAL and LREAL float; characters and strings str;
 TIME, S5TIME and TIME_OF_DAY int milliseconds; LTIME and LTIME_OF_DAY int nanoseconds;
@@ -15,8 +15,7 @@ from typing import TypeAlias
 
 from plcgen.s7.types import durations
 from plcgen.s7.types.address import Pointer, unpack_pointer
-from plcgen.s7.types.data_types import ELEMENTARY, HARDWARE, Elementary, StringType
-from plcgen.s7.types.errors import UnfitValueError
+from plcgen.s7.types.data_types import ELEMENTARY, HARDWARE, Elementary, StringType, UnfitValueError
 
 Value: TypeAlias = "bool | int | float | str | dt.date | dt.datetime | Pointer | None"
 
@@ -51,9 +50,18 @@ def pack_value(value: Value, type_: Elementary | StringType) -> bytes:
     if name in RANGES:
         return _pack_int(_integer(value, name), name, size)
     if name in ("REAL", "LREAL"):
-        return _pack_float(value, name)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise UnfitValueError(f"{value!r} is not a value for {name}")
+        try:
+            return struct.pack(">f" if name == "REAL" else ">d", value)
+        except OverflowError:
+            raise UnfitValueError(f"{value} is too large for {name}") from None
     if name in ("CHAR", "WCHAR"):
-        return _pack_char(_text(value), name)
+        text = _text(value)
+        data = _encode(text, wide=name == "WCHAR")
+        if len(data) != (2 if name == "WCHAR" else 1):
+            raise UnfitValueError(f"{name} holds exactly one character")
+        return data
     if name == "DTL":
         return durations.pack_dtl(_integer(value, name))
     if name in ("ANY", "POINTER"):
@@ -76,7 +84,10 @@ def unpack_value(data: bytes, type_: Elementary | StringType) -> Value:
     Raises ValueError for bytes that mean nothing, for example a DATE_AND_TIME with a month 13.
     """
     if isinstance(type_, StringType):
-        return _unpack_string(data, type_)
+        unit = 2 if type_.name == "WSTRING" else 1
+        length = min(int.from_bytes(data[unit : 2 * unit]), type_.length)
+        used = data[2 * unit : (2 + length) * unit]
+        return used.decode("utf-16-be" if unit == 2 else "latin-1", "surrogatepass")
     name = type_.name
     if name == "BOOL":
         return bool(data[0] & 1)
@@ -117,28 +128,12 @@ def _pack_int(value: int, name: str, size: int) -> bytes:
     return (durations.to_s5time(value) if name == "S5TIME" else value).to_bytes(size, signed=low < 0)
 
 
-def _pack_float(value: Value, name: str) -> bytes:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise UnfitValueError(f"{value!r} is not a value for {name}")
-    try:
-        return struct.pack(">f" if name == "REAL" else ">d", value)
-    except OverflowError:
-        raise UnfitValueError(f"{value} is too large for {name}") from None
-
-
 def keeps(nearest: float, value: float) -> bool:
     """Whether ``nearest``, what a REAL or LREAL makes of a number, is the number that was meant.
 
     A whole number has to be exact, a fraction right to the last digit of a REAL: 16777217 and 1.0e-46 are no REALs.
     """
     return nearest == value if isinstance(value, int) else abs(nearest - value) <= abs(value) * 2.0**-24
-
-
-def _pack_char(text: str, name: str) -> bytes:
-    data = _encode(text, wide=name == "WCHAR")
-    if len(data) != (2 if name == "WCHAR" else 1):
-        raise UnfitValueError(f"{name} holds exactly one character")
-    return data
 
 
 def _encode(text: str, *, wide: bool) -> bytes:
@@ -156,10 +151,3 @@ def _pack_string(text: str, type_: StringType) -> bytes:
         raise UnfitValueError(f"{length} characters do not fit {type_.name}[{type_.length}]")
     unit = 2 if wide else 1
     return type_.length.to_bytes(unit) + length.to_bytes(unit) + data.ljust(type_.length * unit, b"\x00")
-
-
-def _unpack_string(data: bytes, type_: StringType) -> str:
-    unit = 2 if type_.name == "WSTRING" else 1
-    length = min(int.from_bytes(data[unit : 2 * unit]), type_.length)
-    used = data[2 * unit : (2 + length) * unit]
-    return used.decode("utf-16-be" if unit == 2 else "latin-1", "surrogatepass")

@@ -18,7 +18,7 @@ from plcgen.report.diff.lockfile import read_lock, reduced
 from plcgen.report.diff.planned import spec_snapshot
 from plcgen.report.diff.run import compare_snapshots
 from plcgen.report.review.page import comparison_view
-from plcgen.s7.compare.policyfile import load_policy
+from plcgen.s7.compare.policy import load_policy
 from plcgen.workbench.serve.becomes import FIRST_TIME, Made
 from plcgen.workbench.serve.proving import Typed
 from plcgen.workbench.serve.room import Room, wrong

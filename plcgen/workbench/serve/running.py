@@ -18,7 +18,7 @@ from plcgen.report.trace.run import Run, RunSettings, Simulation
 from plcgen.report.trace.settings import all_right, parse_timed_value
 from plcgen.report.trace.values import located, valued_members
 from plcgen.s7.types.data_types import ArrayType
-from plcgen.s7.types.spelling import type_text
+from plcgen.s7.types.literals import type_text
 
 _DECIMAL_COMMA = re.compile(r"(?<=[=])(\s*[-+]?\d+),(\d+\s*)\Z", re.ASCII)
 MAX_SCANS = 200

@@ -15,7 +15,7 @@ from plcgen.ds47.wire.formats import format_names
 from plcgen.ppi.wire.address import PpiAddressError, parse_item
 from plcgen.project.schema import Toolchain
 from plcgen.project.target import combination_problem
-from plcgen.s7.types.families import FAMILIES
+from plcgen.s7.types.system import FAMILIES
 from plcgen.workbench.serve.room import wrong
 from plcgen.workbench.service.specs.shape import spec_shape
 from plcgen.workbench.starter import RECIPES, ppi_starter, starter, usable

@@ -16,8 +16,8 @@ from plcgen.ds47.sim.bench import build_unit
 from plcgen.proof.runner import Runner
 from plcgen.proof.scenario import ScenarioError
 from plcgen.s7.cpu.cpu import Cpu
-from plcgen.s7.cpu.folder import load_folder
-from plcgen.s7.cpu.system.bus import Periphery
+from plcgen.s7.cpu.sources import load_folder
+from plcgen.s7.cpu.system.port import Periphery
 from plcgen.s7.scl.classic import Spelling, respell
 from plcgen.s7.scl.dialect import Dialect
 

@@ -14,7 +14,7 @@ from plcgen import api
 from plcgen.ds47.proof.stated.checks import stated_checks
 from plcgen.project.opening import open_spec
 from plcgen.proof.checks import Check
-from plcgen.s7.cpu.folder import FolderParts, read_parts
+from plcgen.s7.cpu.sources import FolderParts, read_parts
 from plcgen.s7.scl.dialect import Dialect
 
 SPEC = """\

@@ -84,7 +84,7 @@ def test_what_a_line_does_for_a_while(fault):
     executed = plc.executed
     client, plc, bus, _ = connect([], values={"VB100": 0x22})
     client.read("VB0")
-    from plcgen.ppi.sim.fault_text import parse_fault
+    from plcgen.ppi.sim.faults import parse_fault
 
     bus.faults.append(parse_fault(fault))
     assert [reading.value for reading in client.read("VB100")] == [0x22]

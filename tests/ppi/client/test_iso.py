@@ -4,9 +4,9 @@ import pytest
 
 from plcgen.base.line.model import LineError
 from plcgen.base.line.opening import open_line
+from plcgen.ppi import gateway
 from plcgen.ppi.client import RefusedError, Settings
 from plcgen.ppi.client.iso import open_iso
-from plcgen.ppi.gateway import server
 from plcgen.ppi.wire.iso import IsoError, connect_confirm
 from tests.ppi.gateway.test_clients import Served
 
@@ -55,7 +55,7 @@ def test_tsaps_are_tried_in_turn(monkeypatch):
             raise IsoError("not mine")
         return connect_confirm(asked)
 
-    monkeypatch.setattr(server, "connect_confirm", confirm)
+    monkeypatch.setattr(gateway, "connect_confirm", confirm)
     with Served() as served:
         with open_iso(f"s7://127.0.0.1:{served.port}", SETTINGS) as client:
             assert client.read("VB100")[0].value == 0x22

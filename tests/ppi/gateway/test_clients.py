@@ -15,8 +15,7 @@ from snap7.error import S7Error
 from plcgen.base.line.endpoint import EndpointLine
 from plcgen.base.line.tcp import TcpServer
 from plcgen.ppi.client import Client as PpiClient
-from plcgen.ppi.gateway.passing import Allowed, Passing
-from plcgen.ppi.gateway.server import Gateway
+from plcgen.ppi.gateway import Allowed, Gateway, Passing
 from plcgen.ppi.sim import Bus, Station
 from plcgen.ppi.wire.iso import carry, connect_request
 from tests.ppi.gateway.test_iso import CONFIRM, REQUEST, SETUP

@@ -3,7 +3,7 @@
 import pytest
 
 from plcgen.base.line.model import LineError, LineLostError
-from plcgen.ppi.gateway.passing import PAUSE, Allowed, Passing
+from plcgen.ppi.gateway import PAUSE, Allowed, Passing
 from plcgen.ppi.wire.address import PpiAddressError, parse_item
 from plcgen.ppi.wire.model import (
     ErrorReply,

@@ -8,11 +8,9 @@ from plcgen.base.line.endpoint import EndpointLine
 from plcgen.base.line.model import LineError, LineLostError
 from plcgen.ppi.client import Client, Settings
 from plcgen.ppi.client.places import parse_place
-from plcgen.ppi.log.files import opener
+from plcgen.ppi.log.files import Channel, iso, opener
 from plcgen.ppi.log.keeping import Keeper
-from plcgen.ppi.log.logger import Logger, Pace
-from plcgen.ppi.log.rows import Channel, iso
-from plcgen.ppi.log.stations import Stations
+from plcgen.ppi.log.logger import Logger, Pace, Stations
 from plcgen.ppi.sim import Bus, Station
 
 MIDNIGHT = 1_795_651_200.0

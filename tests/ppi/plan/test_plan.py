@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from plcgen import api
-from plcgen.ppi.plan.fields import request_fields
+from plcgen.ppi.plan.jobs import request_fields
 from plcgen.ppi.plan.nouns import PpiPlan
 from plcgen.proof.folder import read_folder
 from plcgen.s7.layout.image import image

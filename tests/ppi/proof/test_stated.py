@@ -14,7 +14,7 @@ import pytest
 from plcgen import api
 from plcgen.base.diagnostics import Diagnostic
 from plcgen.ppi.plan.nouns import PpiPlan
-from plcgen.ppi.proof.stated.checks import stated_checks
+from plcgen.ppi.proof.stated.times import stated_checks
 from plcgen.project.opening import open_spec
 from plcgen.proof.rig import ProgramBench
 

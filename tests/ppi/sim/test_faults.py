@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from plcgen.base.diagnostics import DiagnosticError
 from plcgen.base.line.endpoint import Clock, EndpointLine
 from plcgen.ppi.sim import Bus, Fault, FaultKind, Station, Traffic
-from plcgen.ppi.sim.fault_text import parse_fault
+from plcgen.ppi.sim.faults import parse_fault
 from plcgen.ppi.wire.areas import Area
 from plcgen.ppi.wire.errors import Kind, PpiError
 from plcgen.ppi.wire.model import ErrorReply, Item, ReadRequest

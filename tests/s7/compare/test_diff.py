@@ -13,8 +13,7 @@ from plcgen.base.diagnostics import DiagnosticError
 from plcgen.base.display.view import View
 from plcgen.report.registry import output_format
 from plcgen.s7.compare.model import Comparison
-from plcgen.s7.compare.policy import KINDS, Level, fails
-from plcgen.s7.compare.policyfile import load_policy
+from plcgen.s7.compare.policy import KINDS, Level, fails, load_policy
 from tests.projects import FAQ, ROOT, per_block_spec
 from tests.yaml_files import read_yaml
 

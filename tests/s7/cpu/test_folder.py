@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from plcgen.project.opening import open_spec
-from plcgen.s7.cpu.folder import FolderParts, read_parts
+from plcgen.s7.cpu.sources import FolderParts, read_parts
 from tests.projects import SPECS, generated_example
 
 MEGABYTE = 1 << 20

@@ -8,7 +8,7 @@ from plcgen.ds47.sim.parameters import DriveObject, SimulatedParameter
 from plcgen.ds47.wire import formats
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.program import Program
-from plcgen.s7.cpu.system.bus import Periphery
+from plcgen.s7.cpu.system.port import Periphery
 from plcgen.s7.cpu.system.record import PLACES, RecordPlaces
 from plcgen.s7.scl.dialect import Dialect
 from tests.s7.cpu.support import load

@@ -9,8 +9,7 @@ import pytest
 
 from plcgen import api
 from plcgen.s7.layout.layout import layout_block
-from plcgen.s7.read.files import read_files
-from plcgen.s7.read.symbols import read_symbols
+from plcgen.s7.read.files import read_files, read_symbols
 from tests.s7.xml.reading.documents import document, global_db
 
 UDT = "TYPE UDT 5\nTITLE =Motor\nVERSION : 0.1\n  STRUCT\n   a : INT ;\n   b : BOOL ;\n  END_STRUCT ;\nEND_TYPE\n"

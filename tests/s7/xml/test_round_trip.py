@@ -23,7 +23,7 @@ from plcgen.s7.xml.reading.documents import read_simaticml
 from plcgen.s7.xml.reading.source import source
 from plcgen.s7.xml.versions import VERSIONS
 from plcgen.s7.xml.writing.documents import Setting, document
-from plcgen.s7.xml.writing.scope import BlockScope
+from plcgen.s7.xml.writing.elements import BlockScope
 from plcgen.s7.xml.writing.structured_text import elements, numbered
 from tests.projects import ROOT, SPECS, TARGETS, every_type, per_block
 from tests.s7.xml.codes import SETTING, back, exact, meant, network, read_code, wrapped

@@ -11,7 +11,7 @@ import pytest
 from plcgen import api
 from plcgen.s7.read.text import parse_source
 from plcgen.s7.xml.versions import VERSIONS
-from plcgen.s7.xml.writing import twin
+from plcgen.s7.xml.writing import structured_text
 from plcgen.s7.xml.writing.documents import Setting
 from tests.projects import every_type, generated_example
 
@@ -30,7 +30,7 @@ def test_a_line_means_what_its_names_mean_in_its_block() -> None:
     }
     for section, expected in kinds.items():
         text = f'FUNCTION_BLOCK "X"\n{section}\nBEGIN\n{code}\nEND_FUNCTION_BLOCK\n'
-        assert expected in twin.code_document(parse_source(text, "x.scl")[0][0], SETTING)
+        assert expected in structured_text.code_document(parse_source(text, "x.scl")[0][0], SETTING)
 
 
 @pytest.mark.parametrize(

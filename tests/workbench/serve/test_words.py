@@ -14,8 +14,8 @@ pytest.importorskip("starlette", reason="the extra serve is not installed")
 from plcgen.ds47.devices import device_names, find_device
 from plcgen.ds47.recording.faults import DriveFault
 from plcgen.ds47.sim.faults import KINDS as DRIVE_FAULTS
-from plcgen.ppi.sim.fault_text import FaultKeys as StationFault
 from plcgen.ppi.sim.faults import KINDS as STATION_FAULTS
+from plcgen.ppi.sim.faults import FaultKeys as StationFault
 from plcgen.workbench.serve.page import FOLDER
 from plcgen.workbench.service.specs.jobs import drive_forms
 from tests.projects import ROOT

@@ -15,7 +15,7 @@ from plcgen.oracles.spec.ds47.types import ANY, size_of
 from plcgen.proof.rig import layout_of
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.program import Program
-from plcgen.s7.cpu.system.bus import Periphery, RecordServer
+from plcgen.s7.cpu.system.port import Periphery, RecordServer
 from plcgen.s7.layout.layout import Layout
 from plcgen.s7.types.blocks import BlockKind
 from plcgen.s7.types.names import TIA_LIMIT, V5_LIMIT, shorten

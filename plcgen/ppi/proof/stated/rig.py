@@ -22,8 +22,7 @@ from plcgen.proof.rig import layout_of
 from plcgen.proof.scenario import ScenarioError
 from plcgen.s7.cpu.cpu import Cpu
 from plcgen.s7.cpu.program import Program
-from plcgen.s7.cpu.system.bus import Periphery
-from plcgen.s7.cpu.system.port import CHARACTER_BITS, UNSET, Port, PortSettings
+from plcgen.s7.cpu.system.port import CHARACTER_BITS, UNSET, Periphery, Port, PortSettings
 from plcgen.s7.layout.image import Tree
 from plcgen.s7.layout.shapes import Field
 from plcgen.s7.types.data_types import ArrayType, Elementary

@@ -15,7 +15,7 @@ from plcgen.base.diagnostics import Diagnostic
 from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue
 from plcgen.ppi.proof.wording import guide
 from plcgen.ppi.proof.wording.grounds import groundless
-from plcgen.ppi.proof.wording.meanings import asked_items, called, holds, of_answer, of_table
+from plcgen.ppi.proof.wording.guide import asked_items, called, holds, of_answer, of_table
 from plcgen.project.nouns import PlannedJob
 from plcgen.proof.folder import plain
 from plcgen.proof.wording.comments import EMPTY
@@ -194,7 +194,16 @@ class PpiWording:
         for text, texts in zip(said, wanted, strict=False):
             if not agrees(text, texts, english=english):
                 yield f'no source for "{text}"; stated: "{min(texts)}"'
-        yield from _addressed(master)
+        # names of values that lie elsewhere than their telegram asks, stations with another address
+        for telegram in master.telegrams:
+            data = telegram.request.data
+            if data[4] != telegram.station.address:
+                station = telegram.station
+                yield f"telegram {telegram.number} goes to {data[4]}, {station.key} is {station.address}"
+            for item, wire in zip(asked_items(data), telegram.items, strict=True):
+                for placed in wire.values:
+                    if not holds(item, placed.value.label, placed.start):
+                        yield f"telegram {telegram.number} does not address {placed.value.label}"
 
     def remark(self, block: Block, code: str, text: str) -> bool:
         """Whether a comment in the code is known; behind the number of a branch stands what has the number."""
@@ -304,18 +313,6 @@ def _of_telegram(master: PlannedMaster, telegram: PpiTelegram) -> frozenset[str]
 def _in_code(master: PlannedMaster, telegram: PpiTelegram) -> str:
     job = next((job for job in master.jobs if telegram in job.telegrams), None)
     return f"first frame to {telegram.station.key}" if job is None else f"{job.key} of {telegram.station.key}"
-
-
-def _addressed(master: PlannedMaster) -> Iterator[str]:
-    """Names of values that lie elsewhere than their telegram asks, stations with another address."""
-    for telegram in master.telegrams:
-        data = telegram.request.data
-        if data[4] != telegram.station.address:
-            yield f"telegram {telegram.number} goes to {data[4]}, {telegram.station.key} is {telegram.station.address}"
-        for item, wire in zip(asked_items(data), telegram.items, strict=True):
-            for placed in wire.values:
-                if not holds(item, placed.value.label, placed.start):
-                    yield f"telegram {telegram.number} does not address {placed.value.label}"
 
 
 def _sentence(role: str, name: str, baud: int = 0) -> frozenset[str]:

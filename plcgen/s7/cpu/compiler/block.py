@@ -6,25 +6,18 @@ from dataclasses import dataclass
 
 from plcgen.base.diagnostics import Diagnostic, Span, has_errors
 from plcgen.s7.cpu.compiler.access import Access
-from plcgen.s7.cpu.compiler.arguments import Arguments
+from plcgen.s7.cpu.compiler.arguments import Arguments, References
 from plcgen.s7.cpu.compiler.assignments import Assignments
-from plcgen.s7.cpu.compiler.branches import Branches
 from plcgen.s7.cpu.compiler.calls import Calls
 from plcgen.s7.cpu.compiler.context import Context, Listing
 from plcgen.s7.cpu.compiler.decisions import Decisions
-from plcgen.s7.cpu.compiler.expressions import Expressions
 from plcgen.s7.cpu.compiler.functions import Functions
-from plcgen.s7.cpu.compiler.library import Library
-from plcgen.s7.cpu.compiler.loops import Labels, Loops, Watchdog, has_labels
-from plcgen.s7.cpu.compiler.moves import Moves
-from plcgen.s7.cpu.compiler.opened import OpenedBlocks
-from plcgen.s7.cpu.compiler.operands import Operands
-from plcgen.s7.cpu.compiler.operators import Operators
-from plcgen.s7.cpu.compiler.places import Places
-from plcgen.s7.cpu.compiler.references import References
+from plcgen.s7.cpu.compiler.library import Library, Moves
+from plcgen.s7.cpu.compiler.operators import Operands, Operators
+from plcgen.s7.cpu.compiler.places import OpenedBlocks, Places
 from plcgen.s7.cpu.compiler.scope import Scope, function_parameters, is_open, scalar_name
-from plcgen.s7.cpu.compiler.statements import Statements
-from plcgen.s7.cpu.compiler.values import Symbol
+from plcgen.s7.cpu.compiler.statements import Branches, Labels, Loops, Statements, Watchdog, has_labels
+from plcgen.s7.cpu.compiler.values import Expressions, Symbol
 from plcgen.s7.cpu.linkage import ENO, Compiled, Linkage, ProgramBlock
 from plcgen.s7.cpu.memory import CODECS
 from plcgen.s7.layout.image import default_bytes

@@ -7,19 +7,16 @@ from dataclasses import dataclass, replace
 
 from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.s7.cpu.compiler.access import Access
-from plcgen.s7.cpu.compiler.arguments import Arguments
+from plcgen.s7.cpu.compiler.arguments import Arguments, References
 from plcgen.s7.cpu.compiler.assignments import Assignments
 from plcgen.s7.cpu.compiler.context import Context, Listing
 from plcgen.s7.cpu.compiler.conversions import coerce, truth
-from plcgen.s7.cpu.compiler.expressions import Expressions
 from plcgen.s7.cpu.compiler.functions import Functions, Reported
-from plcgen.s7.cpu.compiler.library import Library
-from plcgen.s7.cpu.compiler.loops import Watchdog
-from plcgen.s7.cpu.compiler.moves import Moves, is_move
+from plcgen.s7.cpu.compiler.library import Library, Moves, is_move
 from plcgen.s7.cpu.compiler.places import Places
-from plcgen.s7.cpu.compiler.references import References
 from plcgen.s7.cpu.compiler.scope import function_parameters
-from plcgen.s7.cpu.compiler.values import UNKNOWN, MemoryPlace, Val, unknown
+from plcgen.s7.cpu.compiler.statements import Watchdog
+from plcgen.s7.cpu.compiler.values import UNKNOWN, Expressions, MemoryPlace, Val, unknown
 from plcgen.s7.cpu.linkage import ProgramBlock
 from plcgen.s7.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.s7.layout.shapes import bare_shape
@@ -128,7 +125,11 @@ class Calls:
         if isinstance(target, ast.Name) and not self.is_instance(target):
             found = self.context.link.find(target.name)
             if found is None and (target.scope == "bare" or target.name.upper() not in self.context.link.tags):
-                self.plain_call(node, target)
+                value = self.instruction(node, target.name.upper()) if target.scope == "bare" else None
+                if value is None:
+                    self.missing_block(node, target)
+                else:
+                    self.discard(value)
                 return
             if found is not None and found.block.kind in {BlockKind.FC, BlockKind.OB}:
                 self.discard(self.call_function(node, found))
@@ -142,12 +143,21 @@ class Calls:
             if type_:
                 self.call_by_type(node, target, type_)
                 return
-        if isinstance(target, ast.Member) and target.name.upper() in _METHODS and self.is_timer(target.base):
+        if (
+            isinstance(target, ast.Member)
+            and target.name.upper() in _METHODS
+            and self.called_type(target.base) in _TIMER_TYPES
+        ):
             place = self.places.place(target.base)
             if place is not None:
                 self.call_instance(node, place, target.name.upper())
             return
-        if isinstance(target, ast.Member) and target.name.upper() in _FORMS and self.has_forms(target.base):
+        if (
+            isinstance(target, ast.Member)
+            and target.name.upper() in _FORMS
+            and not self.context.classic
+            and _LIKEWISE.fullmatch(self.called_type(target.base)) is not None
+        ):
             self.context.error("PG827", f"the soft CPU does not execute {target.name} of this type", node)
             self.arguments.look_at(node)
             return
@@ -176,14 +186,6 @@ class Calls:
         self.out.indent = self.out.indent[:-1]
         self.access.forget()
 
-    def is_timer(self, node: ast.Expression) -> bool:
-        """Whether ``x`` of ``x.TON(..)`` is an IEC_TIMER of its own or in a data block."""
-        return self.called_type(node) in _TIMER_TYPES
-
-    def has_forms(self, node: ast.Expression) -> bool:
-        """Whether ``x`` of ``x.CTU(..)`` is another IEC timer, or a counter."""
-        return not self.context.classic and _LIKEWISE.fullmatch(self.called_type(node)) is not None
-
     def called_type(self, node: ast.Expression) -> str:
         """Upper-case name of the type before the dot, also of a data block that is such an instance; empty if none."""
         if isinstance(node, ast.Name) and self.places.symbol(node) is None:
@@ -193,14 +195,6 @@ class Calls:
         place = self.places.place(node)
         type_ = place.shape.type if place is not None else None
         return type_.name.upper() if isinstance(type_, NamedType) else ""
-
-    def plain_call(self, node: ast.Call, target: ast.Name) -> None:
-        """Compile a function of the language whose value nobody wants, or report a missing block."""
-        value = self.instruction(node, target.name.upper()) if target.scope == "bare" else None
-        if value is None:
-            self.missing_block(node, target)
-        else:
-            self.discard(value)
 
     def missing_block(self, node: ast.Call, target: ast.Name) -> None:
         """PG825, or PG827 for a function of the language that the soft CPU does not have."""
@@ -249,7 +243,19 @@ class Calls:
             sections = {m.name.upper(): s.kind for s in found.block.sections for m in s.members if m.at is None}
             allowed = {name: kind for name, kind in sections.items() if kind in {_IN, _OUT, _INOUT}}
             passed = self.arguments.pass_arguments(node, place, allowed, found)
-            self.call_user(node, place, found)
+            self.check_body(node, found)
+            self.context.calling += 1
+            self.context.calls.setdefault(found.name.upper(), self.context.span(node))
+            self.watchdog.hand_over()
+            if place.mem != "m" and place.fixed and place.off == 0:
+                self.out.emit(f"{self.context.function(found.index)}({place.mem})")
+            else:
+                self.context.moving.add(found.name.upper())
+                function = self.context.function(found.index, moving=True)
+                self.out.emit(f"{function}({place.mem},{self.access.address(place)})")
+            self.watchdog.take_back()
+            self.context.called()
+            self.access.forget()
             if passed is not None:
                 self.arguments.give_back(passed.lent, node)
         elif system is not None:
@@ -268,22 +274,6 @@ class Calls:
             self.context.point("output", node)
         for argument, output in passed.outputs if passed is not None else ():
             self.arguments.take_output(argument, output)
-
-    def call_user(self, node: ast.Call, place: MemoryPlace, found: ProgramBlock) -> None:
-        """Emit the call of an FB of the program."""
-        self.check_body(node, found)
-        self.context.calling += 1
-        self.context.calls.setdefault(found.name.upper(), self.context.span(node))
-        self.watchdog.hand_over()
-        if place.mem != "m" and place.fixed and place.off == 0:
-            self.out.emit(f"{self.context.function(found.index)}({place.mem})")
-        else:
-            self.context.moving.add(found.name.upper())
-            function = self.context.function(found.index, moving=True)
-            self.out.emit(f"{function}({place.mem},{self.access.address(place)})")
-        self.watchdog.take_back()
-        self.context.called()
-        self.access.forget()
 
     def call_system(self, node: ast.Call, place: MemoryPlace, system: SystemFb, buffer: str) -> None:
         """Emit the call of a system block."""

@@ -1,19 +1,21 @@
-"""Implicit conversions: a value as the type that its surroundings want."""
+"""Conversions: a value as the type that its surroundings want; generated code of explicit ones, ``A_TO_B``."""
 
 from __future__ import annotations
 
 from plcgen.base.diagnostics import Severity
 from plcgen.s7.cpu.compiler.context import Context
-from plcgen.s7.cpu.compiler.explicit import convert_code
 from plcgen.s7.cpu.compiler.literals import as_real, source_of
-from plcgen.s7.cpu.compiler.values import UNKNOWN, Val
+from plcgen.s7.cpu.compiler.values import UNKNOWN, Val, wrapped
 from plcgen.s7.cpu.type_rules import (
     BITS,
+    CLOCKS,
+    DURATIONS,
     INT_CONST,
     INTEGERS,
     NUMBERED,
     REAL_CONST,
     REALS,
+    STAMPS,
     TEXT_CONST,
     TEXTS,
     WIDTHS,
@@ -23,6 +25,55 @@ from plcgen.s7.cpu.type_rules import (
 from plcgen.s7.scl import ast
 from plcgen.s7.types.data_types import HARDWARE
 from plcgen.s7.types.values import RANGES
+
+_MOMENTS = DURATIONS | CLOCKS | STAMPS
+_TIMES = frozenset({"TIME", "LTIME", "DATE", "TIME_OF_DAY", "LTIME_OF_DAY", "LDT"})
+
+
+def convert_code(code: str, source: str, target: str, *, classic: bool = False) -> str:
+    """Generated code of an explicit conversion; ``classic`` is about numbers as text."""
+    form = "_v5" if classic else ""
+    if source == "BOOL":
+        return f"(1.0 if {code} else 0.0)" if target in REALS else f"(1 if {code} else 0)"
+    if target == "BOOL":
+        return f"({code}&1)" if source not in REALS else f"({code}!=0.0)"
+    if source in TEXTS:
+        if target in TEXTS:
+            return code
+        return f"ord(({code}+' ')[0])" if target in {"CHAR", "WCHAR"} else f"text_to{form}({code},{target!r})"
+    if target in TEXTS:
+        return f"chr({code})" if source in {"CHAR", "WCHAR"} else f"to_text{form}({code},{source!r})"
+    if source in REALS:
+        if target in REALS:
+            return f"f32({code})" if target == "REAL" else code
+        if target in BITS:
+            return f"real_bits({code},{WIDTHS[source]})"
+        signed = target in {"SINT", "INT", "DINT", "LINT"} or target in _TIMES
+        return f"to_int({code},{WIDTHS[target]},{signed},'round')"
+    if target in REALS:
+        if source in BITS:
+            return f"bits_real({code},{BITS[source]})"
+        return f"f32(float({code}))" if target == "REAL" else f"float({code})"
+    if {source, target} == {"S5TIME", "WORD"}:  # time base and BCD digits as they are
+        return code
+    if {source, target} == {"S5TIME", "LTIME"}:
+        return f"(from_s5({code})*1000000)" if source == "S5TIME" else f"to_s5({code}//1000000)"
+    if source == "S5TIME" or target == "S5TIME":
+        return f"from_s5({code})" if source == "S5TIME" else f"to_s5({code})"
+    if {source, target} & STAMPS and {source, target} <= _MOMENTS:
+        return f"moment({code},{source!r},{target!r})"
+    if {source, target} & {"TIME", "TIME_OF_DAY"} and {source, target} & {"LTIME", "LTIME_OF_DAY"}:
+        code = f"({code}*1000000)" if target.startswith("L") else f"({code}//1000000)"
+    return wrapped(code, target) if _may_overflow(source, target) else code
+
+
+def _may_overflow(source: str, target: str) -> bool:
+    """Whether the integer of one type need not be in the range of another."""
+    signed = {"SINT", "INT", "DINT", "LINT", "TIME", "LTIME", "LDT"}
+    bits = WIDTHS.get(source, 64), WIDTHS.get(target, 64)
+    if (source in signed) == (target in signed):
+        return bits[1] < bits[0]
+    return not (source not in signed and bits[1] > bits[0])
 
 
 def coerce(context: Context, value: Val, target: str, node: ast.Expression) -> str:

@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from plcgen.s7.cpu.compiler.context import Context, Listing
-from plcgen.s7.cpu.compiler.expressions import Expressions
-from plcgen.s7.cpu.compiler.values import Val
-from plcgen.s7.cpu.decisions import Decision
+from plcgen.s7.cpu.compiler.values import Expressions, Val
+from plcgen.s7.cpu.linkage import Decision
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.logic import DECIDES, MOST, Joined, Leaf, Logic, joints, logic_of, operands_of
 

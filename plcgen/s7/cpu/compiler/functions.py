@@ -8,10 +8,8 @@ from dataclasses import dataclass
 
 from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.s7.cpu.compiler.context import Context
-from plcgen.s7.cpu.compiler.conversions import coerce, truth
-from plcgen.s7.cpu.compiler.explicit import convert_code
-from plcgen.s7.cpu.compiler.expressions import Expressions
-from plcgen.s7.cpu.compiler.values import UNKNOWN, Val, unknown
+from plcgen.s7.cpu.compiler.conversions import coerce, convert_code, truth
+from plcgen.s7.cpu.compiler.values import UNKNOWN, Expressions, Val, unknown
 from plcgen.s7.cpu.type_rules import (
     BITS,
     CLOCKS,
@@ -33,8 +31,7 @@ from plcgen.s7.cpu.type_rules import (
     integer_of,
 )
 from plcgen.s7.scl import ast
-from plcgen.s7.scl.instructions import INSTRUCTIONS, parameters
-from plcgen.s7.scl.system_types import is_type_name
+from plcgen.s7.scl.instructions import INSTRUCTIONS, is_type_name, parameters
 
 _MAX_TEXTS = 32
 """So many texts CONCAT of an S7-1200/1500 joins."""
@@ -97,7 +94,32 @@ class Functions:
             return Val(f"{_DELAYS[name]}()", "INT", pure=False)
         base, _, kind = name.partition("_")
         if base in _TEXT_FUNCTIONS and (not kind or (kind in TEXTS and not self.context.classic)):
-            return self.text_function(node, base, wide=kind == "WSTRING")
+            wide = kind == "WSTRING"
+            # LEN, CONCAT, LEFT, RIGHT, MID, FIND, DELETE, INSERT, REPLACE; of WSTRING if ``wide`` or one is given
+            more = (
+                tuple(f"IN{n}" for n in range(3, _MAX_TEXTS + 1))
+                if base == "CONCAT" and not self.context.classic
+                else ()
+            )
+            names = parameters()[base]
+            given = [(argument.name or "").upper() for argument in node.arguments]
+            if base == "LEN" and given == ["S"] and not self.context.rules.dialect.is_tia:
+                names = ("S",)  # as sources of STEP 7 V5 call FC21; no manual was found for it
+            bound = self.bind(node, names, more)
+            codes, pure = [], True
+            for parameter, expression in bound.items():
+                value = self.expressions.value(expression)
+                pure = pure and value.pure
+                if parameter.startswith(("IN", "S")):
+                    wide = wide or value.type == "WSTRING"
+                    if value.type not in TEXTS and value.type not in {TEXT_CONST, "CHAR", "WCHAR", UNKNOWN}:
+                        return self.refuse(node, base, value)
+                    codes.append(coerce(self.context, value, "WSTRING" if wide else "STRING", expression))
+                else:
+                    codes.append(value.wrapped)
+            type_ = "INT" if base in {"LEN", "FIND"} else "WSTRING" if wide else "STRING"
+            form = "_v5" if self.context.classic and base in {"DELETE", "REPLACE"} else ""
+            return Val(f"t_{base.lower()}{form}({','.join(codes)})", type_, pure=pure)
         match = _CONVERSION.fullmatch(name)
         if match is not None:
             return self.conversion(node, name, match[1], match[2])
@@ -299,31 +321,6 @@ class Functions:
             return self.refuse(node, "SWAP", value)
         size = BITS[value.type] // 8
         return Val(f"int.from_bytes(({value.code}).to_bytes({size}),'little')", value.type, pure=value.pure)
-
-    def text_function(self, node: ast.Call, name: str, *, wide: bool) -> Val:
-        """LEN, CONCAT, LEFT, RIGHT, MID, FIND, DELETE, INSERT, REPLACE; of WSTRING if ``wide`` or one is given."""
-        more = (
-            tuple(f"IN{n}" for n in range(3, _MAX_TEXTS + 1)) if name == "CONCAT" and not self.context.classic else ()
-        )
-        names = parameters()[name]
-        given = [(argument.name or "").upper() for argument in node.arguments]
-        if name == "LEN" and given == ["S"] and not self.context.rules.dialect.is_tia:
-            names = ("S",)  # as sources of STEP 7 V5 call FC21; no manual was found for it
-        bound = self.bind(node, names, more)
-        codes, pure = [], True
-        for parameter, expression in bound.items():
-            value = self.expressions.value(expression)
-            pure = pure and value.pure
-            if parameter.startswith(("IN", "S")):
-                wide = wide or value.type == "WSTRING"
-                if value.type not in TEXTS and value.type not in {TEXT_CONST, "CHAR", "WCHAR", UNKNOWN}:
-                    return self.refuse(node, name, value)
-                codes.append(coerce(self.context, value, "WSTRING" if wide else "STRING", expression))
-            else:
-                codes.append(value.wrapped)
-        type_ = "INT" if name in {"LEN", "FIND"} else "WSTRING" if wide else "STRING"
-        form = "_v5" if self.context.classic and name in {"DELETE", "REPLACE"} else ""
-        return Val(f"t_{name.lower()}{form}({','.join(codes)})", type_, pure=pure)
 
     def conversion(self, node: ast.Call, name: str, source: str, target: str) -> Val | None:
         """``A_TO_B`` with one argument."""

@@ -32,10 +32,6 @@ def literal_value(text: str, type_name: str) -> Constant | None:
         data = pack_literal(text, type_name)
     except (LiteralError, KeyError):
         return None
-    return _raw(data, type_name)
-
-
-def _raw(data: bytes, type_name: str) -> Constant:
     if type_name == "BOOL":
         return bool(data[0])
     if type_name not in WIDTHS:

@@ -1,4 +1,4 @@
-"""Operators, each with its S7 type."""
+"""Operands - names, constants, slices, paths - and operators, each with its S7 type."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 from plcgen.base.diagnostics import Severity
 from plcgen.s7.cpu.arithmetic import mod, quotient
 from plcgen.s7.cpu.compiler.access import Access
+from plcgen.s7.cpu.compiler.arguments import References
 from plcgen.s7.cpu.compiler.context import Context
 from plcgen.s7.cpu.compiler.conversions import coerce, integer_code
-from plcgen.s7.cpu.compiler.expressions import Expressions
-from plcgen.s7.cpu.compiler.literals import source_of
+from plcgen.s7.cpu.compiler.literals import classify, source_of
 from plcgen.s7.cpu.compiler.places import Places
 from plcgen.s7.cpu.compiler.scope import same_type
-from plcgen.s7.cpu.compiler.values import UNKNOWN, Val, unknown
+from plcgen.s7.cpu.compiler.values import UNKNOWN, Expressions, Val, unknown
 from plcgen.s7.cpu.type_rules import (
     BITS,
     DURATIONS,
@@ -37,8 +37,76 @@ from plcgen.s7.cpu.type_rules import (
     remedy,
 )
 from plcgen.s7.scl import ast
+from plcgen.s7.scl.dialects import is_refused
 from plcgen.s7.types.data_types import HARDWARE
 from plcgen.s7.types.values import RANGES
+
+
+@dataclass(slots=True, eq=False)
+class Operands:
+    """What an expression begins with."""
+
+    context: Context
+    access: Access
+    expressions: Expressions
+    places: Places
+    references: References
+
+    def name(self, node: ast.Name) -> Val:
+        """Value of a variable or constant."""
+        symbol = self.places.symbol(node)
+        if symbol is not None and symbol.place is not None:
+            return self.access.load(symbol.place)
+        if symbol is not None and symbol.constant is not None:
+            return symbol.constant
+        if node.name.upper() in {"ENO", "OK", "EN", "NULL", "NIL"} and self.places.undeclared(node):
+            if node.name.upper() in {"NULL", "NIL"}:
+                return Val("(None,0,0)", "ANY")
+            self.context.uses_eno = True
+            return Val(self.context.enable(node.name), "BOOL")
+        named = self.places.type_named(node)
+        if named:
+            return Val(repr(named), TYPE_NAME)
+        place = self.places.named(node)
+        return self.access.load(place) if place is not None else unknown()
+
+    def literal(self, node: ast.Literal) -> Val:
+        """Compile a constant."""
+        if node.kind == "pointer":
+            return self.references.pointer(node)
+        found = classify(node.text, node.kind)
+        if found is None:
+            self.context.error("PG824", f"{node.text} is not a constant", node)
+            return unknown()
+        type_, value = found
+        if is_refused(type_, self.context.link.dialect):
+            return unknown()  # PG803 has told of it
+        return Val(source_of(value), type_, value)
+
+    def slice(self, node: ast.Slice) -> Val:
+        """``x.%X3``: part of a bit string or integer."""
+        value = self.expressions.value(node.base)
+        part = self.places.slice_type(node, value)
+        if part is None:
+            return unknown()
+        bits, type_ = part
+        return Val(f"({value.wrapped}>>{node.index * bits}&{(1 << bits) - 1})", type_, pure=value.pure)
+
+    def variable(self, node: ast.Expression) -> Val:
+        """Value of a path or an address."""
+        place = self.places.place(node)
+        return self.access.load(place) if place is not None else unknown()
+
+    def omitted(self, node: ast.Omitted) -> Val:
+        """PG822 about ``Q => ,`` where a value is needed."""
+        self.context.error("PG822", "the parameter has no value", node)
+        return unknown()
+
+    def listed(self, node: ast.Aggregate | ast.Repetition) -> Val:
+        """PG827 about ``[1, 2]`` and ``3(0)``."""
+        self.context.error("PG827", "a list of values is allowed in declarations only", node)
+        return unknown()
+
 
 _COMPARE = {"=": "==", "<>": "!=", "<": "<", "<=": "<=", ">": ">", ">=": ">="}
 _RING = frozenset({"+", "-", "*"})
@@ -276,7 +344,15 @@ class Operators:
         if common in {INT_CONST, REAL_CONST}:
             return self.folded(node, left, right, common)
         if common in REALS:
-            return self.real_arithmetic(node, left, right, common)
+            # REAL rounds after every operation
+            codes = coerce(self.context, left, common, node.left), coerce(self.context, right, common, node.right)
+            pure = left.pure and right.pure
+            if node.operator in {"MOD", "DIV"}:
+                self.context.error("PG821", f"{node.operator} does not take {common}", node)
+                return unknown()
+            self.context.out.checks += node.operator == "/" and right.const is None
+            code = f"fdiv({codes[0]},{codes[1]})" if node.operator == "/" else f"{codes[0]}{node.operator}{codes[1]}"
+            return Val(f"f32({code})" if common == "REAL" else f"({code})", common, pure=pure)
         if operator in _RING:
             codes = self.ring(left, common, node.left), self.ring(right, common, node.right)
             if operator != "+":
@@ -305,17 +381,6 @@ class Operators:
     def ring(self, value: Val, common: str, node: ast.Expression) -> str:
         """Operand of + - *: a pending wrap of the same type may wait."""
         return value.code if value.raw and value.type == common else coerce(self.context, value, common, node)
-
-    def real_arithmetic(self, node: ast.Binary, left: Val, right: Val, common: str) -> Val:
-        """REAL rounds after every operation."""
-        codes = coerce(self.context, left, common, node.left), coerce(self.context, right, common, node.right)
-        pure = left.pure and right.pure
-        if node.operator in {"MOD", "DIV"}:
-            self.context.error("PG821", f"{node.operator} does not take {common}", node)
-            return unknown()
-        self.context.out.checks += node.operator == "/" and right.const is None
-        code = f"fdiv({codes[0]},{codes[1]})" if node.operator == "/" else f"{codes[0]}{node.operator}{codes[1]}"
-        return Val(f"f32({code})" if common == "REAL" else f"({code})", common, pure=pure)
 
     def folded(self, node: ast.Binary, left: Val, right: Val, common: str) -> Val:
         """Two constants make a constant."""

@@ -9,22 +9,83 @@ from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.s7.cpu.compiler.access import Access
 from plcgen.s7.cpu.compiler.context import Context, Listing
 from plcgen.s7.cpu.compiler.conversions import integer_code
-from plcgen.s7.cpu.compiler.expressions import Expressions
 from plcgen.s7.cpu.compiler.literals import literal_value
-from plcgen.s7.cpu.compiler.opened import WIDTHS as _AREA_WIDTHS
-from plcgen.s7.cpu.compiler.opened import OpenedBlocks
 from plcgen.s7.cpu.compiler.scope import scalar_name
-from plcgen.s7.cpu.compiler.values import UNKNOWN, MemoryPlace, Symbol, Val, unknown, whole_constant
+from plcgen.s7.cpu.compiler.values import UNKNOWN, Expressions, MemoryPlace, Symbol, Val, unknown, whole_constant
 from plcgen.s7.cpu.linkage import ProgramBlock
 from plcgen.s7.cpu.system.interfaces import system_fbs
-from plcgen.s7.cpu.type_rules import BITS, INTEGERS, POINTERS, REALS, WIDTHS, canonical
+from plcgen.s7.cpu.type_rules import BITS, INT_CONST, INTEGERS, NUMBERED, POINTERS, REALS, WIDTHS, canonical
 from plcgen.s7.layout.shapes import Shape, bare_shape
 from plcgen.s7.scl import ast
-from plcgen.s7.scl.system_types import is_type_name
-from plcgen.s7.scl.unknown_names import keys_of
+from plcgen.s7.scl.declarations import keys_of
+from plcgen.s7.scl.instructions import is_type_name
 from plcgen.s7.types.address import Address, AddressError, parse_address
 from plcgen.s7.types.blocks import BlockKind, SectionKind
 from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, Member, NamedType, StringType
+
+_AREA_WIDTHS = {"X": "BOOL", "B": "BYTE", "W": "WORD", "D": "DWORD"}
+_OPENED = re.compile(r"(?:DB|D)([XBWD])([0-9]{1,5})?(?:\.([0-7]))?", re.IGNORECASE)
+_LAST = 65535
+
+
+@dataclass(slots=True, eq=False)
+class OpenedBlocks:
+    """Absolute access to a data block whose number is known when the code runs.
+
+    Sources: S7-SCL V5.3 manual, "Indexed access to data blocks"; help of the TIA Portal, "Indirect addressing of data
+    blocks" (S7-300/400).
+    """
+
+    context: Context
+    expressions: Expressions
+
+    def is_number(self, node: ast.Expression) -> bool:
+        """Whether an expression is the number of a data block: a parameter or variable, or WORD_TO_BLOCK_DB."""
+        if isinstance(node, ast.Call):
+            target = node.target
+            return isinstance(target, ast.Name) and target.name.upper() == "WORD_TO_BLOCK_DB"
+        if not isinstance(node, ast.Name) or node.scope == "quoted":
+            return False
+        symbol = self.context.scope.symbols.get(node.name.upper())
+        return symbol is not None and symbol.place is not None and scalar_name(symbol.place.shape) in NUMBERED
+
+    def place(self, node: ast.Expression) -> MemoryPlace | None:
+        """Place of such an access; None if the expression is none."""
+        target: ast.Expression = node
+        indices: tuple[ast.Expression, ...] = ()
+        bit = ""
+        if isinstance(node, ast.Index):
+            target, indices = node.base, node.indices
+        elif isinstance(node, ast.Call):
+            target, indices = node.target, tuple(argument.value for argument in node.arguments)
+        elif isinstance(node, ast.Member) and isinstance(node.base, ast.Member) and node.name.isdecimal():
+            target, bit = node.base, f".{node.name}"
+        if not isinstance(target, ast.Member) or not self.is_number(target.base):
+            return None
+        match = _OPENED.fullmatch(target.name + bit)
+        if match is None or (match[2] is None) != bool(indices):
+            return None
+        return self.at(target.base, match, indices)
+
+    def at(self, base: ast.Expression, match: re.Match[str], indices: tuple[ast.Expression, ...]) -> MemoryPlace:
+        """Place in the block that ``base`` numbers, at fixed or computed addresses."""
+        shape = bare_shape(_AREA_WIDTHS[match[1].upper()])
+        memory = f"opened({self.expressions.value(base).wrapped})"
+        if match[2] is not None:
+            return MemoryPlace(shape, memory, int(match[2]) * 8 + int(match[3] or 0))
+        codes = [self.address(index) for index in indices]
+        if match[1] not in "Xx":
+            return MemoryPlace(shape, memory, 0, f"ck({codes[0]},{_LAST})")
+        bit = codes[1] if len(codes) > 1 else "0"
+        return MemoryPlace(shape, memory, 0, dynbit=f"ck({codes[0]},{_LAST})*8+ck({bit},7)")
+
+    def address(self, node: ast.Expression) -> str:
+        """Code of a computed address."""
+        value = self.expressions.value(node)
+        if value.type not in INTEGERS and value.type not in {INT_CONST, UNKNOWN, *BITS}:
+            self.context.error("PG821", "an address index is an integer", node)
+        return integer_code(value)
+
 
 _TYPES = frozenset({BlockKind.UDT, BlockKind.FB})
 _SHORT = re.compile(r"(%?DB\d+\.)D([XBWD])?(?=\d)", re.IGNORECASE)
@@ -66,7 +127,20 @@ class Places:
         if isinstance(node, ast.Peripheral):
             return self.place(node.base)
         if isinstance(node, ast.Call) and isinstance(node.target, ast.Address | ast.Name | ast.Member):
-            return self.called_address(node)
+            # ``%DB100.DW(5)``, ``%DB1.DW(IDX := #i)``, ``%IB(#i)``.
+            text = self.context.text(node.target).upper().lstrip("%")
+            head, _, tail = text.partition(".")
+            plain = _PLAIN_INDEXED.fullmatch(text)
+            if plain is not None and node.arguments:
+                indices = tuple(argument.value for argument in node.arguments)
+                return self.computed(AREAS[plain[1].upper()], (plain[2] or "X").upper(), indices, 65536)
+            match = _INDEXED.fullmatch(tail)
+            block = self.context.link.find(head.strip('"'))
+            if match is None or block is None or block.shape is None or not node.arguments:
+                self.context.error("PG823", f"{self.context.text(node)} is not a variable", node)
+                return None
+            indices = tuple(argument.value for argument in node.arguments)
+            return self.computed(f"d{block.index}", match[1].upper(), indices, block.shape.bits // 8)
         if isinstance(node, ast.Dereference):
             self.context.error("PG827", "the soft CPU does not follow REF_TO references", node)
             return None
@@ -76,21 +150,23 @@ class Places:
     def symbol(self, node: ast.Name) -> Symbol | None:
         """Local symbol of a name, if it has one."""
         if node.scope == "quoted":
-            return self.project_constant(node.name)
+            name = node.name
+            # A system constant or a user constant of a tag table
+            number = self.context.link.constants.get(name.upper())
+            if number is not None:
+                return Symbol(name, SectionKind.CONSTANT, constant=whole_constant(number))
+            type_, literal = self.context.link.user_constants.get(name.upper(), ("", ""))
+            value = literal_value(literal, type_.upper())
+            if type_ and value is None:
+                return Symbol(name, SectionKind.CONSTANT, constant=unknown())
+            if isinstance(value, int) and not isinstance(value, bool) and type_.upper() in {*INTEGERS, *BITS}:
+                return Symbol(name, SectionKind.CONSTANT, constant=whole_constant(value))
+            return (
+                Symbol(name, SectionKind.CONSTANT, constant=Val(repr(value), canonical(type_), value))
+                if type_
+                else None
+            )
         return self.context.scope.symbols.get(node.name.upper())
-
-    def project_constant(self, name: str) -> Symbol | None:
-        """A system constant or a user constant of a tag table."""
-        number = self.context.link.constants.get(name.upper())
-        if number is not None:
-            return Symbol(name, SectionKind.CONSTANT, constant=whole_constant(number))
-        type_, literal = self.context.link.user_constants.get(name.upper(), ("", ""))
-        value = literal_value(literal, type_.upper())
-        if type_ and value is None:
-            return Symbol(name, SectionKind.CONSTANT, constant=unknown())
-        if isinstance(value, int) and not isinstance(value, bool) and type_.upper() in {*INTEGERS, *BITS}:
-            return Symbol(name, SectionKind.CONSTANT, constant=whole_constant(value))
-        return Symbol(name, SectionKind.CONSTANT, constant=Val(repr(value), canonical(type_), value)) if type_ else None
 
     def undeclared(self, node: ast.Name) -> bool:
         """Whether a name without ``#`` and quotes is none of the block: then it may be a word of the language."""
@@ -175,7 +251,11 @@ class Places:
         if base is None:
             return None
         if node.name.upper() in {"Q", "ET"}:
-            self.query_timer(base)
+            # bring the data of an IEC timer of an S7-1200/1500 up to date before a member of it is looked at
+            members = base.shape.index
+            if "RU" in members and "RESERVED" in members:  # no other structure has them
+                self.out.emit(f"query{members['ET'].shape.bits}({base.mem},{self.access.address(base)})")
+                self.access.touched(base.region if base.fixed else None, base.off, base.shape.bits)
         return self.field(base, node.name, node)
 
     def field(self, base: MemoryPlace, name: str, node: ast.Expression) -> MemoryPlace | None:
@@ -345,22 +425,6 @@ class Places:
                 return self.computed(area, (match[2] or "X").upper(), node.indices, 65536)
         return None
 
-    def called_address(self, node: ast.Call) -> MemoryPlace | None:
-        """``%DB100.DW(5)``, ``%DB1.DW(IDX := #i)``, ``%IB(#i)``."""
-        text = self.context.text(node.target).upper().lstrip("%")
-        head, _, tail = text.partition(".")
-        plain = _PLAIN_INDEXED.fullmatch(text)
-        if plain is not None and node.arguments:
-            indices = tuple(argument.value for argument in node.arguments)
-            return self.computed(AREAS[plain[1].upper()], (plain[2] or "X").upper(), indices, 65536)
-        match = _INDEXED.fullmatch(tail)
-        block = self.context.link.find(head.strip('"'))
-        if match is None or block is None or block.shape is None or not node.arguments:
-            self.context.error("PG823", f"{self.context.text(node)} is not a variable", node)
-            return None
-        indices = tuple(argument.value for argument in node.arguments)
-        return self.computed(f"d{block.index}", match[1].upper(), indices, block.shape.bits // 8)
-
     def computed(self, mem: str, letter: str, indices: tuple[ast.Expression, ...], limit: int) -> MemoryPlace:
         """Absolute access with a computed address."""
         codes = [self.opened.address(index) for index in indices]
@@ -370,13 +434,6 @@ class Places:
             bit = codes[1] if len(codes) > 1 else "0"
             return MemoryPlace(shape, mem, 0, dynbit=f"ck({codes[0]},{last})*8+ck({bit},7)")
         return MemoryPlace(shape, mem, 0, f"ck({codes[0]},{last})")
-
-    def query_timer(self, base: MemoryPlace) -> None:
-        """Bring the data of an IEC timer of an S7-1200/1500 up to date before a member of it is looked at."""
-        members = base.shape.index
-        if "RU" in members and "RESERVED" in members:  # no other structure has them
-            self.out.emit(f"query{members['ET'].shape.bits}({base.mem},{self.access.address(base)})")
-            self.access.touched(base.region if base.fixed else None, base.off, base.shape.bits)
 
     def watch_status(self, base: MemoryPlace, name: str, node: ast.Expression) -> None:
         """Note reads of STATUS of a record block: it counts in the scan of its call only."""

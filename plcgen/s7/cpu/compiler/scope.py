@@ -136,16 +136,15 @@ class Scope:
         for member in self.block.section(SectionKind.IN_OUT):
             symbol = self.symbols[member.name.upper()]
             if symbol.place is not None and scalar_name(symbol.place.shape) == "POINTER" and not is_pointer(member):
-                self._by_reference(member, symbol)
+                local = f"p{len(self.locals)}"
+                self.locals.append((local, "reference"))
+                symbol.type_name = local
+                pointer = symbol.place
+                symbol.place = MemoryPlace(
+                    self.shape_of(member), f"{local}_m", 0, f"{local}_o", section=SectionKind.IN_OUT
+                )
+                self.copied.append((local, Symbol(member.name, SectionKind.IN_OUT, pointer)))
         self._views(SectionKind.IN_OUT)
-
-    def _by_reference(self, member: Member, symbol: Symbol) -> None:
-        local = f"p{len(self.locals)}"
-        self.locals.append((local, "reference"))
-        symbol.type_name = local
-        pointer = symbol.place
-        symbol.place = MemoryPlace(self.shape_of(member), f"{local}_m", 0, f"{local}_o", section=SectionKind.IN_OUT)
-        self.copied.append((local, Symbol(member.name, SectionKind.IN_OUT, pointer)))
 
     def _by_variant(self, member: Member, symbol: Symbol) -> None:
         local = f"p{len(self.locals)}"

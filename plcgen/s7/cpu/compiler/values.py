@@ -1,11 +1,14 @@
-"""What the parts of the compiler pass around: values, places and symbols."""
+"""What the parts of the compiler pass around - values, places, symbols - and where they find each other."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
 
 from plcgen.s7.cpu.type_rules import INT_CONST, SIGNED_WIDTHS, WIDTHS
 from plcgen.s7.layout.shapes import Shape
+from plcgen.s7.scl import ast
 from plcgen.s7.types.blocks import SectionKind
 from plcgen.s7.types.data_types import Member
 
@@ -96,3 +99,24 @@ def wrapped(code: str, type_: str) -> str:
         half = 1 << bits - 1
         return f"(({code}+{half}&{mask})-{half})"
     return f"(({code})&{mask})"
+
+
+@dataclass(slots=True, eq=False)
+class Expressions:
+    """Values and their types; a problem is reported once and gives the type UNKNOWN.
+
+    ``parts`` maps a class of nodes to what compiles it; ``watch`` is shown every value.
+    """
+
+    parts: dict[type[ast.Expression], Callable[[Any], Val]] = field(default_factory=dict)
+    watch: Callable[[ast.Expression, Val], None] | None = None
+
+    def value(self, node: ast.Expression) -> Val:
+        """Compile an expression."""
+        return self.shown(node, self.parts[type(node)](node))
+
+    def shown(self, node: ast.Expression, value: Val) -> Val:
+        """The value of a node, shown to who watches."""
+        if self.watch is not None:
+            self.watch(node, value)
+        return value

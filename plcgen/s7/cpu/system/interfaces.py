@@ -9,8 +9,7 @@ from types import MappingProxyType
 
 from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.types.data_types import Member, NamedType, elementary
-from plcgen.s7.types.serial_blocks import serial_blocks
-from plcgen.s7.types.system import CONTROL, s7_1500_types, system_block
+from plcgen.s7.types.system import CONTROL, s7_1500_types, serial_blocks, system_block
 
 _IN, _OUT, _STATIC = SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.STATIC
 

@@ -20,7 +20,7 @@ from plcgen.s7.cpu.arithmetic import to_int
 from plcgen.s7.cpu.memory import Memory, Reference
 from plcgen.s7.cpu.system import moments, texts
 from plcgen.s7.cpu.system.clock import SystemClock
-from plcgen.s7.cpu.system.s5 import Cells
+from plcgen.s7.cpu.system.timers import Cells
 from plcgen.s7.cpu.type_rules import BITS, INTEGERS, REALS, STAMPS, TYPE_NAME, WIDTHS
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.types import durations

@@ -41,12 +41,10 @@ def to_ns(value: Moment, type_: str) -> int:
             moment = durations.unpack_dt(value)
         except ValueError:
             return 0 if type_ == "DTL" else _DAYS_TO_1990 * NS_PER_DAY
-        return durations.since_epoch(moment.date(), 0) + _since_midnight(moment)
+        return durations.since_epoch(moment.date(), 0) + (
+            ((moment.hour * 60 + moment.minute) * 60 + moment.second) * 10**9 + moment.microsecond * 1000
+        )
     return value * _UNITS.get(type_, 1) + (_DAYS_TO_1990 * NS_PER_DAY if type_ == "DATE" else 0)
-
-
-def _since_midnight(moment: dt.datetime) -> int:
-    return ((moment.hour * 60 + moment.minute) * 60 + moment.second) * 10**9 + moment.microsecond * 1000
 
 
 def from_ns(nanoseconds: int, type_: str) -> tuple[bool, Moment]:

@@ -12,13 +12,12 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 from plcgen.s7.cpu.memory import Memory, Reference
-from plcgen.s7.cpu.system.bus import Periphery
 from plcgen.s7.cpu.system.interfaces import SystemFb
-from plcgen.s7.cpu.system.port import BAUD, Port
+from plcgen.s7.cpu.system.port import BAUD, Periphery, Port
 from plcgen.s7.cpu.system.timers import Fields
 from plcgen.s7.layout.layout import layout_block, locate
 from plcgen.s7.layout.shapes import Shape
-from plcgen.s7.types.serial_blocks import RECEIVE_CONDITIONS
+from plcgen.s7.types.system import RECEIVE_CONDITIONS
 
 IDLE, FIRST, RUNNING = 0x7000, 0x7001, 0x7002
 NO_PORT, BAD_LENGTH, STILL_SENDING = 0x8080, 0x8088, 0x81D0

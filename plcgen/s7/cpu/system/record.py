@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from plcgen.s7.cpu.memory import Memory, Reference
-from plcgen.s7.cpu.system.bus import Periphery
 from plcgen.s7.cpu.system.interfaces import SystemFb
+from plcgen.s7.cpu.system.port import Periphery
 from plcgen.s7.layout.shapes import Shape
 
 IDLE, FIRST, RUNNING = 0x00700000, 0x00700100, 0x00700200

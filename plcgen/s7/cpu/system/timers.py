@@ -1,13 +1,22 @@
-"""IEC timers, counters and edges in instance memory."""
+"""Blocks and cells that keep values: IEC timers, counters, edges, LEAD_LAG, DCAT, MCAT, S5 timers, S5 counters.
+
+Sources: help of the TIA Portal V19, pages of SCL of both families for LEAD_LAG, DCAT and MCAT; the equation of LEAD_LAG
+gives its example; S_PULSE to S_OFFDT and S_CU to S_CUD of SCL for S5 timers and counters.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from struct import Struct
+from typing import Any
 
-from plcgen.s7.cpu.memory import Memory
+from plcgen.s7.cpu.memory import AREA_L, Memory
 from plcgen.s7.cpu.system.interfaces import TIMERS, SystemFb
+from plcgen.s7.layout.image import read_entry, write_member
+from plcgen.s7.layout.layout import Layout, locate
 from plcgen.s7.layout.shapes import Shape
+from plcgen.s7.types import durations
 
 Runner = Callable[..., None]
 """What a call runs: the memory of an instance and its offset there; of a modern timer also PT, see ``timer``."""
@@ -221,3 +230,196 @@ def edge(system: SystemFb, shape: Shape) -> Runner:
             memory[offset + byte] = memory[offset + byte] | mask if value else memory[offset + byte] & (255 - mask)
 
     return run
+
+
+def lead_lag(values: dict[str, Any], _now: int) -> None:
+    """LEAD_LAG."""
+    if values["GAIN"] <= 0:
+        values["ERR_CODE"] = 9
+        return
+    span, lead, lag = values["SAMPLE_T"], values["LD_TIME"], values["LG_TIME"]
+    ahead = (lead + span) * values["IN"] - lead * values["PREV_IN"]
+    out = (lag * values["PREV_OUT"] + values["GAIN"] * ahead) / (lag + span) if lag + span else 0.0
+    values.update(OUT=out, PREV_OUT=out, PREV_IN=values["IN"], ERR_CODE=0)
+
+
+def discrete_alarm(values: dict[str, Any], now: int) -> None:
+    """DCAT: Q and the history follow CMD; the time runs until the feedback comes."""
+    passed, values["PREV_TIME"] = now - values["PREV_TIME"], now
+    command = values["CMD"]
+    if command != values["CMD_HIS"]:
+        values.update(Q=command, CMD_HIS=command, ET=0, OA=False, CA=False)
+        return
+    arrived, alarm = ("O_FB", "OA") if command else ("C_FB", "CA")
+    if values["O_FB"] and values["C_FB"]:
+        values.update(OA=True, CA=True)
+    elif values[arrived]:
+        values.update({alarm: False, "ET": values["PT"]})
+    else:
+        elapsed = values["ET"] + passed
+        values.update({"ET": min(elapsed, values["PT"]), alarm: elapsed > values["PT"]})
+
+
+def motor_alarm(values: dict[str, Any], now: int) -> None:
+    """MCAT: the table of the help, from its first row to its last."""
+    passed, values["PREV_TIME"] = now - values["PREV_TIME"], now
+    opening, closing = values["O_HIS"], values["C_HIS"]
+    outputs = dict.fromkeys(("OO", "CO", "OA", "CA"), False)
+    if (opening and closing) or (values["O_FB"] and values["C_FB"]):
+        values.update(outputs, OA=True, CA=True, ET=values["PT"], O_HIS=False, C_HIS=False, Q=False)
+    elif values["S_CMD"] or (values["O_CMD"] and values["C_CMD"]):
+        values.update(outputs, O_HIS=False, C_HIS=False, Q=True)
+    elif values["O_CMD"] and not opening:
+        values.update(outputs, OO=True, ET=0, O_HIS=True, C_HIS=False, Q=True)
+    elif values["C_CMD"] and not closing:
+        values.update(outputs, CO=True, ET=0, O_HIS=False, C_HIS=True, Q=True)
+    elif opening or closing:
+        run, alarm, arrived = ("OO", "OA", "O_FB") if opening else ("CO", "CA", "C_FB")
+        late = values["ET"] >= values["PT"] and not values[arrived]
+        elapsed = values["PT"] if late or values[arrived] else values["ET"] + passed
+        values.update(outputs, ET=elapsed, Q=not late)
+        values[alarm if late else run] = not values[arrived]
+    else:
+        values.update(outputs, Q=True)
+
+
+_BODIES: dict[str, Callable[[dict[str, Any], int], None]] = {
+    "LEAD_LAG": lead_lag, "DCAT": discrete_alarm, "MCAT": motor_alarm,
+}  # fmt: skip
+
+
+def control(kind: str, shape: Shape, clock: list[int]) -> Callable[[Memory, int], None]:
+    """Make what a call runs: the members of the instance go in, and come back changed."""
+    layout, body = Layout(shape.bits // 8, shape), _BODIES[kind]
+    entries = {name: locate(layout, name) for name in shape.index}
+
+    def run(memory: Memory, offset: int) -> None:
+        own = Memory(memory[offset : offset + layout.size], AREA_L)
+        values: dict[str, Any] = {name: read_entry(own, entry) for name, entry in entries.items()}
+        body(values, clock[0])
+        for name, value in values.items():
+            write_member(own, layout, name, value)
+        memory[offset : offset + layout.size] = own
+
+    return run
+
+
+_BASES = (10, 100, 1000, 10_000)
+
+
+@dataclass(slots=True)
+class Cell:
+    """A timer or counter: ``value`` is the rest of the time in ms, or the count."""
+
+    value: int = 0
+    base: int = 0
+    since: int = 0
+    running: bool = False
+    over: bool = False
+    edges: list[bool] = field(default_factory=lambda: [False, False, False])
+
+    def rises(self, input_: int, value: object) -> bool:
+        """Whether an input is TRUE now and was not before."""
+        before, self.edges[input_] = self.edges[input_], bool(value)
+        return not before and bool(value)
+
+
+class Cells:
+    """Timers and counters; ``clock`` has the ms since the CPU was switched on."""
+
+    def __init__(self, clock: list[int]) -> None:
+        self.clock = clock
+        self.timers: dict[int, Cell] = {}
+        self.counters: dict[int, Cell] = {}
+
+    def pulse(self, number: int, start: object, preset: int, reset: object) -> tuple[int, bool, int]:
+        """S_PULSE: as long as S, at most the time."""
+        cell = self._timed(number)
+        self._start(cell, preset, when=cell.rises(0, start))
+        cell.running = cell.running and bool(start)
+        return self._result(cell, reset, cell.running)
+
+    def extended(self, number: int, start: object, preset: int, reset: object) -> tuple[int, bool, int]:
+        """S_PEXT: the time from the last rising edge of S."""
+        cell = self._timed(number)
+        self._start(cell, preset, when=cell.rises(0, start))
+        return self._result(cell, reset, cell.running)
+
+    def on_delay(self, number: int, start: object, preset: int, reset: object) -> tuple[int, bool, int]:
+        """S_ODT: Q follows S after the time."""
+        cell = self._timed(number)
+        self._start(cell, preset, when=cell.rises(0, start))
+        cell.running = cell.running and bool(start)
+        cell.over = cell.over and bool(start)
+        return self._result(cell, reset, cell.over)
+
+    def retentive(self, number: int, start: object, preset: int, reset: object) -> tuple[int, bool, int]:
+        """S_ODTS: Q after the time, whatever S does, until R."""
+        cell = self._timed(number)
+        if not reset:
+            self._start(cell, preset, when=cell.rises(0, start))
+        return self._result(cell, reset, cell.over)
+
+    def off_delay(self, number: int, start: object, preset: int, reset: object) -> tuple[int, bool, int]:
+        """S_OFFDT: Q with S, and for the time behind it."""
+        cell = self._timed(number)
+        fallen = cell.edges[0] and not start
+        cell.edges[0] = bool(start)
+        self._start(cell, preset, when=fallen and not reset)
+        cell.running = cell.running and not start
+        return self._result(cell, reset, bool(start) or cell.running)
+
+    def _timed(self, number: int) -> Cell:
+        """Cell of a timer, brought up to date."""
+        cell = self.timers.setdefault(number, Cell())
+        passed, cell.since = self.clock[0] - cell.since, self.clock[0]
+        if cell.running:
+            cell.value = max(cell.value - passed, 0)
+            cell.over = cell.value == 0
+            cell.running = not cell.over
+        return cell
+
+    @staticmethod
+    def _start(cell: Cell, preset: int, *, when: bool) -> None:
+        if when:
+            cell.base = preset >> 12 & 3
+            try:
+                cell.value = durations.from_s5time(preset)
+            except ValueError:
+                cell.value = 0
+            cell.running, cell.over = cell.value > 0, cell.value == 0
+
+    @staticmethod
+    def _result(cell: Cell, reset: object, state: bool) -> tuple[int, bool, int]:  # noqa: FBT001 - the last step
+        """Function value, Q and BI."""
+        if reset:
+            cell.value = cell.base = 0
+            cell.running = cell.over = state = False
+        count = -(-cell.value // _BASES[cell.base])
+        return cell.base << 12 | durations.to_bcd(count), state, count
+
+    def count(
+        self, number: int, up: object, down: object, preset_now: object, preset: int, reset: object
+    ) -> tuple[int, bool, int]:
+        """S_CUD, and with one input only S_CU and S_CD: function value in BCD, Q and CV."""
+        cell = self.counters.setdefault(number, Cell())
+        if cell.rises(0, up) and cell.value < 999:
+            cell.value += 1
+        if cell.rises(1, down) and cell.value > 0:
+            cell.value -= 1
+        if cell.rises(2, preset_now):
+            try:
+                cell.value = durations.from_bcd(preset & 0xFFF)
+            except ValueError:
+                cell.value = 0
+        if reset:
+            cell.value = 0
+        return durations.to_bcd(cell.value), cell.value > 0, cell.value
+
+    def count_up(self, number: int, up: object, now: object, preset: int, reset: object) -> tuple[int, bool, int]:
+        """S_CU."""
+        return self.count(number, up, None, now, preset, reset)
+
+    def count_down(self, number: int, down: object, now: object, preset: int, reset: object) -> tuple[int, bool, int]:
+        """S_CD."""
+        return self.count(number, None, down, now, preset, reset)

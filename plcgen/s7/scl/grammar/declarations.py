@@ -8,11 +8,9 @@ from dataclasses import dataclass, replace
 
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.cursor import Cursor, SyntaxFault, unquote
-from plcgen.s7.scl.grammar import documents, foreign
-from plcgen.s7.scl.grammar.expressions import Expressions
-from plcgen.s7.scl.grammar.foreign import FOREIGN_SECTIONS
-from plcgen.s7.scl.grammar.values import InitialValues
-from plcgen.s7.scl.grammar.words import SECTIONS, UNIT_ENDS, UNITS
+from plcgen.s7.scl.grammar import documents, mistakes
+from plcgen.s7.scl.grammar.expressions import Expressions, InitialValues
+from plcgen.s7.scl.grammar.mistakes import FOREIGN_SECTIONS, SECTIONS, UNIT_ENDS, UNITS
 from plcgen.s7.scl.lexer import EOF, INT, LOCAL, NAME, QUOTED, WORDS
 
 _SECTION_ENDS = frozenset({"END_VAR", "END_CONST", "END_LABEL", "END_STRUCT", "BEGIN", EOF}) | UNIT_ENDS | (
@@ -44,8 +42,17 @@ class Declarations:
             modifiers.append(_JOINED[cursor.texts[cursor.pos].upper()])
         cursor.pos += 1
         if keyword == "LABEL":
-            return self.label_section(start)
-        foreign.skip_access(cursor)
+            # ``LABEL a, b; END_LABEL``: the labels become declarations without a type
+            found: list[ast.Declaration] = []
+            while cursor.kinds[cursor.pos] in {NAME, QUOTED, ",", ";"}:
+                if not (cursor.accept(",") or cursor.accept(";")):
+                    name = self.declared_name()
+                    found.append(ast.Declaration(name.start, name.end, (name,), None, None, None, ""))
+            if not cursor.accept("END_LABEL"):
+                cursor.report(cursor.expected("END_LABEL"))
+            cursor.accept(";")
+            return ast.Section(start, cursor.last_end, "LABEL", (), tuple(found))
+        mistakes.skip_access(cursor)
         while cursor.upper() in _MODIFIERS and cursor.kind(1) not in {":", ",", "{"}:
             modifiers.append(cursor.upper())
             cursor.pos += 1
@@ -65,22 +72,9 @@ class Declarations:
         if upper not in _JOINED and upper not in FOREIGN_SECTIONS:
             return False
         if upper in FOREIGN_SECTIONS:
-            foreign.refuse(cursor, cursor.pos)
+            mistakes.refuse(cursor, cursor.pos)
         cursor.kinds[cursor.pos] = "VAR"
         return True
-
-    def label_section(self, start: int) -> ast.Section:
-        """``LABEL a, b; END_LABEL``: the labels become declarations without a type."""
-        cursor = self.cursor
-        found: list[ast.Declaration] = []
-        while cursor.kinds[cursor.pos] in {NAME, QUOTED, ",", ";"}:
-            if not (cursor.accept(",") or cursor.accept(";")):
-                name = self.declared_name()
-                found.append(ast.Declaration(name.start, name.end, (name,), None, None, None, ""))
-        if not cursor.accept("END_LABEL"):
-            cursor.report(cursor.expected("END_LABEL"))
-        cursor.accept(";")
-        return ast.Section(start, cursor.last_end, "LABEL", (), tuple(found))
 
     def declarations(self, *, constants: bool = False) -> tuple[ast.Declaration, ...]:
         """Read declarations up to a closing or opening keyword of a section."""

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.cursor import Cursor
+from plcgen.s7.scl.grammar.mistakes import UNIT_ENDS, UNITS
 from plcgen.s7.scl.grammar.statements import Statements
-from plcgen.s7.scl.grammar.words import UNIT_ENDS, UNITS
 from plcgen.s7.scl.lexer import EOF, NAME, QUOTED, Tokens, tokenize
 
 SUFFIX = ".s7dcl"

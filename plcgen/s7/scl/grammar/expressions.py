@@ -1,4 +1,4 @@
-"""Expressions by precedence climbing; the table is the one of S7-SCL, where NOT binds like a sign."""
+"""Expressions by precedence climbing, where NOT binds like a sign as in S7-SCL; initial values of declarations."""
 
 from __future__ import annotations
 
@@ -91,7 +91,14 @@ class Expressions:
             base = ast.Name(start, start + len(text), name, "local")
         elif kind == NAME:
             if cursor.kinds[pos + 1] in _NUMBERS and text.upper() in _SPACED:
-                return self.spaced_address(start)
+                # ``EW 10``, ``M 10.0``, ``DB 10.DW 5``, ``FB 10.DB 20(..)``: the blank means nothing.
+                text += cursor.texts[pos + 1]
+                cursor.pos += 2
+                if text[0] in "DFSdfs":
+                    base = ast.Name(start, cursor.last_end, text, "bare")
+                else:
+                    base = ast.Address(start, cursor.last_end, text)
+                return self.postfix(base) if cursor.kinds[cursor.pos] in _POSTFIX else base
             base = ast.Name(start, start + len(text), text, "bare")
         elif kind == QUOTED:
             base = self.quoted_name(text, start)
@@ -104,16 +111,6 @@ class Expressions:
             return self.prefixed(kind, start)
         cursor.pos = pos + 1
         return self.postfix(base) if cursor.kinds[pos + 1] in _POSTFIX else base
-
-    def spaced_address(self, start: int) -> ast.Expression:
-        """``EW 10``, ``M 10.0``, ``DB 10.DW 5``, ``FB 10.DB 20(..)``: the blank means nothing."""
-        cursor = self.cursor
-        text = cursor.texts[cursor.pos] + cursor.texts[cursor.pos + 1]
-        cursor.pos += 2
-        block = text[0] in "DFSdfs"
-        base: ast.Expression
-        base = ast.Name(start, cursor.last_end, text, "bare") if block else ast.Address(start, cursor.last_end, text)
-        return self.postfix(base) if cursor.kinds[cursor.pos] in _POSTFIX else base
 
     @staticmethod
     def quoted_name(text: str, start: int) -> ast.Expression:
@@ -272,3 +269,75 @@ class Expressions:
                 raise cursor.expected("',' or ')'")
         cursor.depth -= 1
         return tuple(found)
+
+
+_NUMBERED = frozenset({"T", "Z", "C", "DB", "FB", "FC", "SDB"})
+"""Timers, counters and blocks as start values; statement lists put a blank before the number."""
+
+
+@dataclass(slots=True, eq=False)
+class InitialValues:
+    """Expressions, aggregates, repetitions, and the bare lists of STEP 7 V5."""
+
+    cursor: Cursor
+    expressions: Expressions
+
+    def read(self) -> ast.Expression:
+        """Read an initial value: an expression, an aggregate, or a bare list of STEP 7 V5."""
+        cursor = self.cursor
+        start = cursor.start
+        first = self.item()
+        if cursor.kinds[cursor.pos] != ",":
+            return first.value
+        items = [first]
+        while cursor.accept(","):
+            items.append(self.item())
+        return ast.Aggregate(start, items[-1].end, "", tuple(items))
+
+    def item(self) -> ast.Argument:
+        """One value of a list: plain, named, repeated or an aggregate itself."""
+        cursor = self.cursor
+        self.expressions.restart()
+        pos = cursor.pos
+        start = cursor.start
+        if cursor.kinds[pos] in WORDS and cursor.kinds[pos + 1] == ":=":
+            cursor.pos = pos + 2
+            value = self.item().value
+            return ast.Argument(start, value.end, unquote(cursor.texts[pos]), ":=", value)
+        value = self.operand()
+        return ast.Argument(start, value.end, None, "", value)
+
+    def operand(self) -> ast.Expression:
+        """Read an aggregate, a repetition, or any expression."""
+        cursor = self.cursor
+        start = cursor.start
+        kind = cursor.kinds[cursor.pos]
+        if kind in {"[", "("}:
+            cursor.pos += 1
+            items = self.items("]" if kind == "[" else ")")
+            if kind == "(" and len(items) == 1 and cursor.kinds[cursor.pos] in PRECEDENCE:
+                group = replace(items[0].value, start=start, end=cursor.last_end)
+                return self.expressions.climb(group, 0)
+            return ast.Aggregate(start, cursor.last_end, kind, items)
+        if kind == NAME and cursor.kinds[cursor.pos + 1] == INT and cursor.upper() in _NUMBERED:
+            cursor.pos += 2
+            return ast.Address(start, cursor.last_end, cursor.tokens.source[start : cursor.last_end])
+        if kind == INT and cursor.kinds[cursor.pos + 1] == "(":
+            count = ast.Literal(start, cursor.tokens.end(cursor.pos), cursor.texts[cursor.pos], "int")
+            cursor.pos += 2
+            items = self.items(")")
+            return ast.Repetition(start, cursor.last_end, count, items)
+        return self.expressions.binary(0)
+
+    def items(self, closing: str) -> tuple[ast.Argument, ...]:
+        """Items up to the closing bracket."""
+        cursor = self.cursor
+        if cursor.accept(closing):
+            return ()
+        cursor.enter()
+        items = [self.item()]
+        while cursor.accept(","):
+            items.append(self.item())
+        cursor.expect(closing)
+        cursor.depth -= 1
+        return tuple(items)

@@ -1,4 +1,4 @@
-"""What engineers mistype: misspelt keywords, operators of other languages, headers of statements that fail."""
+"""What is no SCL but is written: misspelt keywords, operators and constructs of other languages, headers that fail."""
 
 from __future__ import annotations
 
@@ -6,6 +6,18 @@ from difflib import get_close_matches
 
 from plcgen.s7.scl.cursor import Cursor, SyntaxFault
 from plcgen.s7.scl.lexer import EOF, INT, NAME, QUOTED, WORDS
+
+SECTIONS = frozenset({"VAR", "VAR_INPUT", "VAR_OUTPUT", "VAR_IN_OUT", "VAR_TEMP", "CONST", "LABEL"})
+UNITS = frozenset({"FUNCTION_BLOCK", "FUNCTION", "ORGANIZATION_BLOCK", "DATA_BLOCK", "TYPE"})
+UNIT_ENDS = frozenset("END_" + keyword for keyword in UNITS)
+
+CLOSERS = frozenset({"END_IF", "END_CASE", "END_FOR", "END_WHILE", "END_REPEAT", "END_REGION", "UNTIL"})
+STOPS = CLOSERS | {"ELSIF", "ELSE", "NETWORK", "END_NETWORK", EOF} | UNIT_ENDS | UNITS
+"""Where a list of statements ends; only a SIMATIC SD document has tokens of the kinds NETWORK and END_NETWORK."""
+STARTS = frozenset({"IF", "CASE", "FOR", "WHILE", "REPEAT", "EXIT", "CONTINUE", "RETURN", "GOTO", "REGION"})
+CODE = STOPS | STARTS
+"""Keywords that belong to statements, so that nothing else reaches across them."""
+
 
 _STATEMENTS = """IF ELSIF ELSE END_IF CASE END_CASE FOR END_FOR WHILE END_WHILE REPEAT UNTIL END_REPEAT EXIT CONTINUE
     RETURN GOTO REGION END_REGION END_FUNCTION_BLOCK END_FUNCTION END_ORGANIZATION_BLOCK END_DATA_BLOCK
@@ -135,3 +147,63 @@ def no_end(cursor: Cursor) -> SyntaxFault:
     elif kind == "," and cursor.kinds[cursor.pos - 1] == INT and cursor.kind(1) == INT:
         text = f"write {cursor.texts[cursor.pos - 1]}.{cursor.texts[cursor.pos + 1]} with a point"
     return cursor.expected("';'", text)
+
+
+_FOREIGN_UNITS = frozenset(
+    {"CLASS", "INTERFACE", "METHOD", "PROPERTY", "ACTION", "PROGRAM", "CONFIGURATION", "RESOURCE"}
+)
+_INSIDE = frozenset({"METHOD", "PROPERTY", "ACTION"})
+_ACCESS = frozenset({"PUBLIC", "PRIVATE", "PROTECTED", "INTERNAL", "ABSTRACT", "FINAL", "OVERRIDE"})
+_INHERITANCE = frozenset({"EXTENDS", "IMPLEMENTS"})
+FOREIGN_SECTIONS = frozenset({"VAR_EXTERNAL", "VAR_GLOBAL", "VAR_CONFIG", "VAR_ACCESS", "VAR_INST"})
+_BLOCKS = frozenset({"END_FUNCTION_BLOCK", "END_FUNCTION", "END_DATA_BLOCK", "END_ORGANIZATION_BLOCK"})
+_HELP = "that is the language of SIMATIC AX or CODESYS; plcgen reads the SCL of STEP 7 V5 and the TIA Portal"
+
+
+def refuse(cursor: Cursor, index: int) -> None:
+    """PG801 at a word of another dialect."""
+    cursor.report(cursor.fault(f"SCL has no {cursor.texts[index].upper()}", index=index, text=_HELP))
+
+
+def unit(cursor: Cursor) -> bool:
+    """Step over ``CLASS .. END_CLASS`` and the like between blocks."""
+    if cursor.upper() not in _FOREIGN_UNITS or cursor.kind(1) not in WORDS:
+        return False
+    skip(cursor)
+    return True
+
+
+def member(cursor: Cursor, began: int) -> bool:
+    """Step over ``METHOD .. END_METHOD`` where a statement was read from token ``began`` on."""
+    if cursor.kinds[began] != NAME or cursor.texts[began].upper() not in _INSIDE or cursor.kind(0) not in WORDS:
+        return False
+    cursor.pos = began
+    skip(cursor)
+    return True
+
+
+def skip(cursor: Cursor) -> None:
+    """Report the word at the position and go behind its END, or to the END of the block around it."""
+    refuse(cursor, cursor.pos)
+    closing = "END_" + cursor.upper()
+    while cursor.kinds[cursor.pos] not in _BLOCKS and cursor.kinds[cursor.pos] != EOF:
+        cursor.pos += 1
+        if cursor.texts[cursor.pos - 1].upper() == closing:
+            return
+
+
+def skip_access(cursor: Cursor) -> None:
+    """Step over PUBLIC, ABSTRACT and others in front of a name; the first one is reported."""
+    first = True
+    while cursor.upper() in _ACCESS and cursor.kind(1) in {NAME, QUOTED}:
+        if first:
+            refuse(cursor, cursor.pos)
+        first = False
+        cursor.pos += 1
+
+
+def skip_inheritance(cursor: Cursor) -> None:
+    """Step over ``EXTENDS a IMPLEMENTS b, c``."""
+    while cursor.upper() in _INHERITANCE:
+        refuse(cursor, cursor.pos)
+        cursor.rest_of_line()

@@ -9,12 +9,12 @@ from textwrap import dedent
 
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.cursor import Abort, Cursor, SyntaxFault, unquote
-from plcgen.s7.scl.grammar import foreign, mistakes
+from plcgen.s7.scl.grammar import mistakes
 from plcgen.s7.scl.grammar.declarations import Declarations
 from plcgen.s7.scl.grammar.documents import Header, Networks
+from plcgen.s7.scl.grammar.expressions import InitialValues
+from plcgen.s7.scl.grammar.mistakes import SECTIONS, UNIT_ENDS, UNITS
 from plcgen.s7.scl.grammar.statements import Statements
-from plcgen.s7.scl.grammar.values import InitialValues
-from plcgen.s7.scl.grammar.words import SECTIONS, UNIT_ENDS, UNITS
 from plcgen.s7.scl.lexer import ADDRESS, EOF, ERROR, INT, NAME, QUOTED
 
 _PROPERTIES = frozenset({"TITLE", "AUTHOR", "NAME", "FAMILY", "VERSION"})
@@ -60,13 +60,19 @@ class Units:
                     self.namespace()
                     continue
                 if cursor.kinds[cursor.pos] not in UNITS:
-                    if foreign.unit(cursor) or mistakes.misspelt_unit(cursor):
+                    if mistakes.unit(cursor) or mistakes.misspelt_unit(cursor):
                         continue
                     found = cursor.expected("a block or TYPE").diagnostic
                     cursor.report(found if found.help else replace(found, help=_NO_BLOCK))
                     self.skip_to_unit()
                     continue
-                self.recover_unit(units)
+                # one unit; a fault that nothing inside could catch costs the unit
+                self.cursor.depth = 0
+                try:
+                    units.append(self.unit())
+                except SyntaxFault as fault:
+                    self.cursor.report(fault)
+                    self.skip_to_unit()
         except Abort as abort:
             cursor.diagnostics.append(abort.diagnostic)
         return tuple(units)
@@ -80,15 +86,6 @@ class Units:
             cursor.pos += 1
             closing = not cursor.accept(".")
         cursor.accept(";")
-
-    def recover_unit(self, units: list[ast.Unit]) -> None:
-        """One unit; a fault that nothing inside could catch costs the unit."""
-        self.cursor.depth = 0
-        try:
-            units.append(self.unit())
-        except SyntaxFault as fault:
-            self.cursor.report(fault)
-            self.skip_to_unit()
 
     def skip_pragma(self) -> None:
         """Attributes outside every block; in a SIMATIC SD document they belong to the next one."""
@@ -114,12 +111,12 @@ class Units:
         opener = cursor.pos
         keyword = cursor.kinds[opener]
         cursor.pos += 1
-        foreign.skip_access(cursor)
+        mistakes.skip_access(cursor)
         if self.texts is not None and keyword == "TYPE":
             self.before += cursor.attributes()
         quoted = cursor.kinds[cursor.pos] == QUOTED
         name = self.block_name()
-        foreign.skip_inheritance(cursor)
+        mistakes.skip_inheritance(cursor)
         return_type = None
         if keyword == "FUNCTION" and cursor.accept(":"):
             return_type = self.declarations.type_spec()
@@ -142,7 +139,11 @@ class Units:
         if isinstance(body_type, ast.TypeName):
             more = self.header()
             attributes, properties, flags = attributes + more[0], properties + more[1], flags + more[2]
-        networks = Networks(cursor, self.statements).read() if self.has_networks(keyword) else ()
+        networks = (
+            Networks(cursor, self.statements).read()
+            if (self.texts is not None and self.bodies and keyword not in {"DATA_BLOCK", "TYPE"})
+            else ()
+        )
         if networks:
             drawn = any(network.drawn for network in networks)
             statements = () if drawn else tuple(one for network in networks for one in network.statements)
@@ -157,10 +158,6 @@ class Units:
             cursor.starts[opener], cursor.last_end, keyword, name, quoted, return_type, attributes, properties,
             flags, comment, sections, body_type, statements, code, networks,
         )  # fmt: skip
-
-    def has_networks(self, keyword: str) -> bool:
-        """Whether the code of this block stands in networks."""
-        return self.texts is not None and self.bodies and keyword not in {"DATA_BLOCK", "TYPE"}
 
     def missing_end(self, keyword: str) -> None:
         """Report it and go on at a place where a block can begin."""

@@ -1,4 +1,4 @@
-"""SimaticML documents (TIA Portal Openness, V14 to V21) to blocks, tag tables and watch tables."""
+"""SimaticML documents (TIA Portal Openness, V14 to V21) to blocks, tag tables, watch tables, attributes of members."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Severity, Span
-from plcgen.s7.types.absent import optimized
-from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind
+from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind, optimized
 from plcgen.s7.types.data_types import ArrayType, Member
 from plcgen.s7.xml.reading.interface import InterfaceReader
 from plcgen.s7.xml.reading.structured_text import CodeReader
@@ -260,3 +259,48 @@ def _optimized(tag: str, memory_layout: str | None, *, classic: bool | None) -> 
     if tag == "SW.Blocks.InstanceDB":
         return False if classic else None  # on S7-1200/1500 as its function block
     return optimized(classic=classic)
+
+
+MAX_DEPTH = 64
+
+
+def document_attributes(root: Element) -> dict[str, dict[str, dict[str, str]]]:
+    """Block name to member path (upper case) to attribute and value (upper case)."""
+    return {
+        text(child(child(element, "AttributeList"), "Name")).strip(): _block_attributes(element)
+        for element in children(root)
+        if local(element) in KINDS
+    }
+
+
+def innermost_name(spelling: str) -> str:
+    """Name of a library type, also in an array; empty if the type is one of the user's."""
+    name = spelling.rpartition(" of ")[2].strip()
+    return "" if '"' in name else name
+
+
+def _block_attributes(element: Element) -> dict[str, dict[str, str]]:
+    found: dict[str, dict[str, str]] = {}
+    interface = child(child(child(element, "AttributeList"), "Interface"), "Sections")
+    pending = [("", member, 0) for section in children(interface) for member in children(section, "Member")]
+    while pending:
+        prefix, member, depth = pending.pop()
+        path = f"{prefix}{member.get('Name', '')}".upper()
+        own: dict[str, str] = {}
+        version, type_ = member.get("Version"), innermost_name(member.get("Datatype", ""))
+        if version and type_ and type_.upper() != "DTL":
+            own |= {"INSTRUCTIONNAME": type_.upper(), "LIBVERSION": version.upper()}
+        remanence = member.get("Remanence")
+        if remanence:
+            own["RETAIN"] = remanence.upper()
+        for attribute in children(child(member, "AttributeList")):
+            name, value = attribute.get("Name", ""), text(attribute).strip()
+            if attribute.get("Informative") == "true":  # exported on request, ignored when read: that of the type
+                continue
+            if name.startswith(("External", "S7_")) or name == "SetPoint":
+                own[name.upper() if name != "SetPoint" else "S7_SETPOINT"] = value.upper()
+        if own:
+            found[path] = own
+        if depth < MAX_DEPTH:
+            pending += [(f"{path}.", inner, depth + 1) for inner in children(member, "Member")]
+    return found

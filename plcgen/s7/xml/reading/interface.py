@@ -15,10 +15,17 @@ from plcgen.s7.types.blocks import Assignment, Block, BlockKind, Section, Sectio
 from plcgen.s7.types.data_types import ArrayType, DataType, Elementary, Member, NamedType, StructType, innermost
 from plcgen.s7.types.literals import LiteralError, parse_literal
 from plcgen.s7.types.names import is_identifier
-from plcgen.s7.xml.datatypes import REMANENCE, datatype, declared_name, default_literal
-from plcgen.s7.xml.reading.types import checked_datatype, has_constants, parse_datatype, with_values
-from plcgen.s7.xml.reading.values import SINGLE, is_start_value, unfit
+from plcgen.s7.xml.reading.types import (
+    SINGLE,
+    checked_datatype,
+    has_constants,
+    is_start_value,
+    parse_datatype,
+    unfit,
+    with_values,
+)
 from plcgen.s7.xml.reading.xml import TAGS, child, children, namespace, parts, span, text
+from plcgen.s7.xml.spelling import REMANENCE, datatype, declared_name, default_literal
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -21,8 +21,8 @@ from plcgen.s7.types.data_types import (
     innermost,
     nested,
 )
-from plcgen.s7.xml.datatypes import BREAKS, datatype, declared_name
 from plcgen.s7.xml.reading.source import KEYWORDS, bare, is_array_db, quoted
+from plcgen.s7.xml.spelling import BREAKS, datatype, declared_name
 from plcgen.s7.xml.writing.documents import library_element
 
 VERSIONS = ("V20", "V21")
@@ -77,10 +77,6 @@ def unseen(block: Block, version: str) -> str:
             return f"the attribute {name}"
         if '"' in value or BREAKS.search(value):
             return f"the value of {name}"
-    return _unseen_members(block)
-
-
-def _unseen_members(block: Block) -> str:
     if block.section(SectionKind.CONSTANT):
         return "constants of a block"
     code = block.kind in _CODE

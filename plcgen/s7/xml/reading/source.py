@@ -10,7 +10,7 @@ from types import MappingProxyType
 from plcgen.s7.types.blocks import Assignment, Block, BlockKind, Section, SectionKind, is_retentive
 from plcgen.s7.types.data_types import ArrayType, Member, StructType, innermost
 from plcgen.s7.types.names import is_identifier
-from plcgen.s7.xml.datatypes import BREAKS, datatype, declared_name, default_literal
+from plcgen.s7.xml.spelling import BREAKS, datatype, declared_name, default_literal
 from plcgen.s7.xml.writing.documents import INSTRUCTION, LIBRARY_VERSION, SEEN_BY_OPC_UA, library_element
 from plcgen.s7.xml.writing.starts import Path, Starts, single_values
 
@@ -152,7 +152,11 @@ def _data(block: Block, of: Block | None) -> Iterator[str]:
     if block.instance_of:
         yield block.instance_of if of is None and library_element(block) else quoted(block.instance_of)
         yield "BEGIN"
-        yield from _differences(block, of)
+        # start values of an instance DB that its function block has otherwise
+        declared = _values(of) if of is not None else {}
+        for key, (path, literal) in _values(block).items():
+            if declared.get(key, ("", ""))[1] != literal:
+                yield f"  {path} := {literal};"
         return
     if is_array_db(block):
         yield f"  {datatype(block.members[0].type)};"
@@ -199,14 +203,6 @@ def bare(member: Member, path: Path, assigned: list[Assignment]) -> Member:
     name = ".".join(here)
     assigned += [Assignment(f"{name}[{index}]", text) for index, text in values.items() if text != default]
     return replace(member, start=None)
-
-
-def _differences(block: Block, of: Block | None) -> Iterator[str]:
-    """Start values of an instance DB that its function block has otherwise."""
-    declared = _values(of) if of is not None else {}
-    for key, (path, literal) in _values(block).items():
-        if declared.get(key, ("", ""))[1] != literal:
-            yield f"  {path} := {literal};"
 
 
 def _values(block: Block) -> dict[str, tuple[str, str]]:

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, Severity
 from plcgen.s7.scl.parser import MAX_CHARACTERS
-from plcgen.s7.xml.addresses import Operand
-from plcgen.s7.xml.reading.values import is_literal
+from plcgen.s7.xml.reading.types import is_literal
 from plcgen.s7.xml.reading.xml import TAGS, local, span
+from plcgen.s7.xml.spelling import Operand
 from plcgen.s7.xml.writing.structured_text import is_plain
 
 if TYPE_CHECKING:
@@ -285,7 +285,7 @@ class CodeReader:
     def parameter(self, element: Element) -> None:
         """Write ``name := value`` or ``name => value``."""
         self.out.append(_name(element.get("Name", ""), quoted=_has_quotes(element)))
-        if len(element) and not _is_assigned(element):
+        if len(element) and not any(TAGS[part.tag] == "Token" and part.get("Text") in {":=", "=>"} for part in element):
             self.out.append(" := ")
         self.elements(element)
 
@@ -319,11 +319,6 @@ def _typed(instruction: Element) -> str:
     """What SCL puts behind the name of an instruction for the one type it is used with: ``SHL_WORD``."""
     types = [part.text or "" for part in instruction if local(part) == "TemplateValue" and part.get("Type") == "Type"]
     return f"_{types[0].strip().upper()}" if len(types) == 1 else ""
-
-
-def _is_assigned(parameter: Element) -> bool:
-    """Whether a Parameter has its ``:=`` or ``=>`` itself."""
-    return any(TAGS[part.tag] == "Token" and part.get("Text") in {":=", "=>"} for part in parameter)
 
 
 def _has_quotes(element: Element) -> bool:

@@ -9,12 +9,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from plcgen.s7.types.absent import is_optimized
-from plcgen.s7.types.blocks import Block, BlockKind
+from plcgen.s7.types.blocks import Block, BlockKind, is_optimized
 from plcgen.s7.types.system import system_block
-from plcgen.s7.xml.escape import content
+from plcgen.s7.xml.spelling import content
+from plcgen.s7.xml.writing.elements import is_system
 from plcgen.s7.xml.writing.interface import TextsOf, interface_element, section_names
-from plcgen.s7.xml.writing.scope import is_system
 from plcgen.s7.xml.writing.starts import Starts
 
 if TYPE_CHECKING:
@@ -142,7 +141,9 @@ def _attributes(block: Block, kind: str, setting: Setting, interface: str, of: B
     if code and not setting.classic:
         texts["SetENOAutomatically"] = "false"
     if kind == "SW.Blocks.OB":
-        texts["SecondaryType"] = block.attributes.get("SecondaryType") or event_class(block.number)
+        texts["SecondaryType"] = block.attributes.get("SecondaryType") or next(
+            (name for numbers, name in _EVENTS if block.number in numbers), "ProgramCycle"
+        )
     if block.instance_of is not None:
         texts |= _instance(block, of)
         own_access = "InstanceOfType" not in texts or texts["InstanceOfType"] == "UDT"
@@ -162,11 +163,6 @@ def _instance(block: Block, of: Block | None) -> dict[str, str]:
     if block.attributes.get(LIBRARY_VERSION):
         texts["OfSystemLibVersion"] = block.attributes[LIBRARY_VERSION]
     return texts
-
-
-def event_class(number: int | None) -> str:
-    """Event class of an OB; without a known number the cyclic program."""
-    return next((name for numbers, name in _EVENTS if number in numbers), "ProgramCycle")
 
 
 def _texts(block: Block, kind: str, setting: Setting, code: str, ids: _Ids) -> str:

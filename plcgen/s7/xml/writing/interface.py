@@ -17,8 +17,7 @@ from plcgen.s7.types.data_types import (
     StructType,
     innermost,
 )
-from plcgen.s7.xml.datatypes import REMANENCE, datatype
-from plcgen.s7.xml.escape import attribute, content
+from plcgen.s7.xml.spelling import REMANENCE, attribute, content, datatype
 from plcgen.s7.xml.writing.starts import Path, Starts, arrays
 
 _INPUT, _OUTPUT, _IN_OUT = SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT
@@ -66,13 +65,13 @@ def interface_element(
         body = "".join(_section(block, section, kind, texts, starts))
         if section is _RETURN and not body:
             body = f'{PAD}<Member Name="Ret_Val" Datatype="Void" />\n'
-        lines.append(f'        <Section Name="{name}">\n{body}        </Section>' if body else _empty(name))
+        lines.append(
+            f'        <Section Name="{name}">\n{body}        </Section>'
+            if body
+            else f'        <Section Name="{name}" />'
+        )
     lines.append("      </Sections></Interface>")
     return "\n".join(lines)
-
-
-def _empty(name: str) -> str:
-    return f'        <Section Name="{name}" />'
 
 
 def _section(block: Block, section: SectionKind, kind: str, texts: TextsOf, starts: Starts) -> list[str]:

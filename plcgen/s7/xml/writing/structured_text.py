@@ -7,31 +7,48 @@ operands and calls have structure. ``UId`` is a slot until the network is comple
 from __future__ import annotations
 
 from bisect import bisect_left
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from plcgen.s7.scl.cursor import unquote
-from plcgen.s7.scl.lexer import ADDRESS, INT, KEYWORDS, LOCAL, NAME, POINTER, QUOTED, REAL, STRING, TYPED, WORDS, Tokens
+from plcgen.s7.scl.lexer import (
+    ADDRESS,
+    INT,
+    KEYWORDS,
+    LOCAL,
+    NAME,
+    POINTER,
+    QUOTED,
+    REAL,
+    STRING,
+    TYPED,
+    WORDS,
+    Tokens,
+    tokenize,
+)
+from plcgen.s7.types.blocks import Block, SectionKind
 from plcgen.s7.types.data_types import elementary
 from plcgen.s7.types.names import is_identifier
-from plcgen.s7.xml.addresses import address
-from plcgen.s7.xml.datatypes import datatype
-from plcgen.s7.xml.escape import attribute, content
+from plcgen.s7.xml.spelling import address, attribute, content, datatype
+from plcgen.s7.xml.writing.documents import Setting, document
 from plcgen.s7.xml.writing.elements import (
     HAS_HASH,
     HAS_QUOTES,
     SLOT,
     UID,
+    BlockScope,
     constant,
+    is_system,
     named_constant,
     simple_symbol,
     token,
     trivia,
 )
-from plcgen.s7.xml.writing.scope import is_system
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from plcgen.s7.xml.writing.documents import Setting
-    from plcgen.s7.xml.writing.scope import BlockScope
 
 FIRST_UID = 21
 """UIds of a network begin here in every genuine export."""
@@ -163,7 +180,18 @@ class _Writer:
             self.title(self.source.find("\n", self.end))
         elif kind == "END_REGION":
             self.token()
-            self.closing_title()
+            # write the title behind END_REGION; a comment or code there is none
+            line_end = self.source.find("\n", self.end)
+            stop = line_end if line_end >= 0 else len(self.source)
+            line = self.source[self.end : stop].partition("//")[0]
+            code = self.pos < self.last and self.kinds[self.pos] in KEYWORDS
+            if (
+                self.pos < self.last
+                and self.starts[self.pos] < stop
+                and not code
+                and not (";" in line and line.strip(" \t\r;"))
+            ):
+                self.title(self.end + len(line))
         else:
             self.token()
 
@@ -192,20 +220,6 @@ class _Writer:
         self.end += lead + len(text)
         while self.pos < self.last and self.starts[self.pos] < stop:
             self.pos += 1
-
-    def closing_title(self) -> None:
-        """Write the title behind END_REGION; a comment or code there is none."""
-        line_end = self.source.find("\n", self.end)
-        stop = line_end if line_end >= 0 else len(self.source)
-        line = self.source[self.end : stop].partition("//")[0]
-        code = self.pos < self.last and self.kinds[self.pos] in KEYWORDS
-        if (
-            self.pos < self.last
-            and self.starts[self.pos] < stop
-            and not code
-            and not (";" in line and line.strip(" \t\r;"))
-        ):
-            self.title(self.end + len(line))
 
     # --- operands ---------------------------------------------------------------------------------------
 
@@ -454,3 +468,16 @@ def _instruction(name: str) -> str:
 def is_plain(name: str) -> bool:
     """Whether a name needs no quotes behind # or a dot."""
     return is_identifier(name) is not None and (name.upper() not in KEYWORDS or name.upper() in _DECLARING)
+
+
+def code_document(block: Block, setting: Setting, known: Sequence[Block] = ()) -> str:
+    """Document of an FB, FC or OB; ``known`` are the blocks it may call."""
+    text = block.code or ""
+    code = elements(tokenize(text, "generated"), 0, len(text), BlockScope.of(block, known), setting)
+    return document(block, setting, numbered(code))[0]
+
+
+def instance_document(instance: Block, of: Block, setting: Setting) -> str:
+    """Document of an instance DB with the interface of its function block."""
+    inside = {SectionKind.INPUT, SectionKind.OUTPUT, SectionKind.IN_OUT, SectionKind.STATIC}
+    return document(replace(instance, sections=tuple(s for s in of.sections if s.kind in inside)), setting)[0]

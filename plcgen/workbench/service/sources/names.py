@@ -10,8 +10,7 @@ from plcgen.s7.layout.layout import Entry, Layout, layout_block, locate
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.lexer import LOCAL, QUOTED, Tokens
 from plcgen.s7.types.blocks import Block, BlockKind, SectionKind
-from plcgen.s7.types.data_types import ArrayType, DataType, Member, NamedType, StructType
-from plcgen.s7.types.errors import UnknownPathError
+from plcgen.s7.types.data_types import ArrayType, DataType, Member, NamedType, StructType, UnknownPathError
 from plcgen.workbench.service.sources.version import NAMES, SourceState
 
 DEEPEST = 64

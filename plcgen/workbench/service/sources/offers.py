@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from plcgen.base.diagnostics import Span
 from plcgen.s7.types.blocks import Block, block_title
 from plcgen.s7.types.data_types import Member
+from plcgen.s7.types.literals import type_text
 from plcgen.s7.types.names import is_identifier
-from plcgen.s7.types.spelling import type_text
 from plcgen.workbench.service.results import Edit, Offer
 from plcgen.workbench.service.sources.names import Step, members_of, walk_to
 

@@ -15,18 +15,18 @@ from plcgen.s7.scl.lexer import tokenize
 from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.types.data_types import ELEMENTARY, Member, NamedType, StringType
 from plcgen.s7.types.literals import parse_literal
-from plcgen.s7.xml.reading import values
+from plcgen.s7.xml.reading import types
 
 
-@pytest.mark.parametrize("name", sorted(values._SURE))
+@pytest.mark.parametrize("name", sorted(types._SURE))
 @given(st.data())
 def test_what_surely_fits_is_a_literal_of_the_type(name, data):
     """Every text that the pattern of a type takes is a constant of it: STEP 7 would take it as well."""
-    text = data.draw(st.from_regex(values._surely_fitting(name), fullmatch=True))
+    text = data.draw(st.from_regex(types._surely_fitting(name), fullmatch=True))
     parse_literal(text, StringType("STRING", 254) if name == "STRING" else ELEMENTARY[name])
 
 
-@given(st.from_regex(values._PLAIN_TEXT, fullmatch=True))
+@given(st.from_regex(types._PLAIN_TEXT, fullmatch=True))
 def test_a_plain_text_is_one_token(text):
     """Nothing in it ends the text, and no comment begins behind it."""
     tokens = tokenize(text, "")
@@ -36,7 +36,7 @@ def test_a_plain_text_is_one_token(text):
 @pytest.mark.parametrize(("text", "length", "fits"), [("'abc'", 3, True), ("'abcd'", 3, False), ("''", 1, True)])
 def test_a_text_must_not_be_longer_than_its_string(text, length, fits):
     """The length counts characters between the quotes (S7-1200 manual, String)."""
-    assert (values.unfit(text, StringType("STRING", length)) == "") == fits
+    assert (types.unfit(text, StringType("STRING", length)) == "") == fits
 
 
 def test_many_unknown_types_take_linear_time():

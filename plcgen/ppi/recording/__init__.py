@@ -1,1 +1,0 @@
-"""Jobs of PPI masters in recorded runs: see ``plcgen.report.trace.face``."""
