@@ -22,8 +22,8 @@ from plcgen.base.diagnostics.codes import CodeInfo, all_codes, code
 from plcgen.base.line.tcp import TcpServer
 from plcgen.cli.main import cli, run
 from plcgen.ppi.sim import Bus, Station
-from plcgen.ppi.sim.cpu import Switch
 from plcgen.ppi.sim.serve import Serving
+from plcgen.ppi.sim.station import Switch
 from tests.ds47.live.servers import DriveServer, free_port, running
 
 SPEC = """\

@@ -84,7 +84,7 @@ def _source_tables(
     from plcgen.s7.read.files import read_files
     from plcgen.s7.tables.declared import block_tables
     from plcgen.s7.types.system import family_types
-    from plcgen.s7.xml.reading.exported import Stated, compare_offsets, document_offsets
+    from plcgen.s7.xml.reading.invariants import Stated, compare_offsets, document_offsets
 
     stated: dict[str, dict[str, list[Stated]]] = {}
     classic = family in {"s7-300", "s7-400"}
@@ -138,8 +138,8 @@ def convert(
     """
     from plcgen.build.convert import convert as run
     from plcgen.build.writing import add_files
-    from plcgen.s7.xml.reading.sd import VERSIONS as SD_VERSIONS
-    from plcgen.s7.xml.versions import VERSIONS
+    from plcgen.s7.xml.reading.source import VERSIONS as SD_VERSIONS
+    from plcgen.s7.xml.spelling import VERSIONS
 
     expect("to", to, ("scl", "xml", "sd"))
     expect("version", version, SD_VERSIONS if to == "sd" else VERSIONS)

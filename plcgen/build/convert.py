@@ -19,9 +19,8 @@ from plcgen.s7.scl.lexer import Tokens, tokenize
 from plcgen.s7.scl.parser import ParseResult, parse
 from plcgen.s7.types.blocks import Block, BlockKind, is_retentive
 from plcgen.s7.xml.reading.documents import read_simaticml
-from plcgen.s7.xml.reading.sd import sd_document
-from plcgen.s7.xml.reading.source import KEYWORDS, SUFFIXES, is_array_db, source
-from plcgen.s7.xml.versions import VERSIONS
+from plcgen.s7.xml.reading.source import KEYWORDS, SUFFIXES, is_array_db, sd_document, source
+from plcgen.s7.xml.spelling import VERSIONS
 from plcgen.s7.xml.writing.documents import Setting, document, library_element
 from plcgen.s7.xml.writing.elements import BlockScope
 from plcgen.s7.xml.writing.structured_text import elements, numbered

@@ -19,7 +19,7 @@ from plcgen.build.spelling import culture, one_line
 from plcgen.build.voice import voice_of
 from plcgen.project.nouns import Frame
 from plcgen.s7.types.blocks import Block, BlockKind
-from plcgen.s7.xml.versions import VERSIONS
+from plcgen.s7.xml.spelling import VERSIONS
 from plcgen.s7.xml.writing.documents import Setting
 from plcgen.s7.xml.writing.structured_text import code_document, instance_document
 

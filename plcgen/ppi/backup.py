@@ -21,7 +21,7 @@ from plcgen.base.files.printed import Printed
 from plcgen.base.files.text import read_text
 from plcgen.base.files.validation import FileShape, Octets, Problems, StrictModel, load_document, problem
 from plcgen.ppi.client import Client, CpuInfo
-from plcgen.ppi.client.places import Place
+from plcgen.ppi.client.values import Place
 from plcgen.ppi.wire.address import PpiAddressError, address_text, parse_item
 from plcgen.ppi.wire.areas import Area, TransportSize
 from plcgen.ppi.wire.codes import return_code

@@ -19,7 +19,7 @@ from plcgen.base.diagnostics import DiagnosticError
 from plcgen.base.line.model import LineError, LineLostError
 from plcgen.base.line.tcp import TcpLine, TcpServer
 from plcgen.ppi.client import Client, ClientError, RefusedError
-from plcgen.ppi.client.places import Place
+from plcgen.ppi.client.values import Place
 from plcgen.ppi.wire.address import address_text, parse_item
 from plcgen.ppi.wire.areas import ELEMENT_SIZES, JOB_HEADER, OCTETS, PDU_LIMIT, Area, ReturnCode, Rosctr
 from plcgen.ppi.wire.codes import return_code

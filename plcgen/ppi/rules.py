@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from plcgen.base.diagnostics import Diagnostic, Note, Severity, Span
-from plcgen.ppi.plan.times import (
+from plcgen.ppi.plan.nouns import (
     ACK_STATION,
     CHARACTER_BITS,
     E5,

@@ -19,8 +19,7 @@ from plcgen.s7.layout.layout import layout_block
 from plcgen.s7.scl.lexer import KEYWORDS, Tokens, tokenize
 from plcgen.s7.types.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.types.data_types import DataType, Member, inner_members
-from plcgen.s7.types.initializers import flatten, parse_initializer
-from plcgen.s7.types.literals import LiteralError
+from plcgen.s7.types.literals import LiteralError, flatten, parse_initializer
 
 _CODE = frozenset({BlockKind.FB, BlockKind.FC, BlockKind.OB})
 _REMARK = re.compile(r"(?://|\bREGION\b)(.*)$", re.MULTILINE)

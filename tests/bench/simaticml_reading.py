@@ -14,7 +14,7 @@ from plcgen.__main__ import collect_rarely
 from plcgen.s7.types.blocks import Block, BlockKind, Section, SectionKind
 from plcgen.s7.types.data_types import ELEMENTARY, Member
 from plcgen.s7.xml.reading.documents import read_simaticml
-from plcgen.s7.xml.versions import VERSIONS
+from plcgen.s7.xml.spelling import VERSIONS
 from plcgen.s7.xml.writing.documents import Setting, document
 from plcgen.s7.xml.writing.elements import BlockScope
 from plcgen.s7.xml.writing.structured_text import elements, numbered

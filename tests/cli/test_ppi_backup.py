@@ -6,8 +6,8 @@ import pytest
 
 from plcgen.base.line.tcp import TcpServer
 from plcgen.ppi.sim import Bus, Station
-from plcgen.ppi.sim.cpu import Mode
 from plcgen.ppi.sim.serve import Serving
+from plcgen.ppi.sim.station import Mode
 
 
 @pytest.fixture

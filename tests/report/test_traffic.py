@@ -6,7 +6,7 @@ import pytest
 
 from plcgen.base.display.view import PLAIN, View
 from plcgen.ppi.sim import Bus, Station, Traffic
-from plcgen.ppi.sim.cpu import Switch
+from plcgen.ppi.sim.station import Switch
 from plcgen.ppi.texts import TrafficText
 from plcgen.ppi.wire.areas import Area
 from plcgen.ppi.wire.model import (

@@ -8,7 +8,7 @@ import plcgen
 from plcgen.s7.cpu.program import Program
 from plcgen.s7.scl.dialect import Dialect
 from plcgen.s7.types.blocks import OF_BLOCKS, OF_MEMBERS
-from plcgen.s7.xml.versions import VERSIONS
+from plcgen.s7.xml.spelling import VERSIONS
 
 STATED = {
     "absent": "",

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from plcgen import api
-from plcgen.s7.tables.panel import PanelTag
+from plcgen.s7.tables.tables import PanelTag
 from plcgen.workbench.service.panel import tags_of
 from tests.projects import ROOT
 from tests.workbench.desk import Desk

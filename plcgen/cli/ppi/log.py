@@ -19,8 +19,7 @@ from plcgen.cli.ppi.connection import line_options, open_clients, until_signal
 from plcgen.cli.ppi.places import cpu_option, find_profile, find_symbols, read_places, symbols_option
 
 if TYPE_CHECKING:
-    from plcgen.ppi.log.files import Channel
-    from plcgen.ppi.log.keeping import Rotation
+    from plcgen.ppi.log.files import Channel, Rotation
 
 _STATION = re.compile(r"\s*([0-9]{1,3}):(.*)", re.DOTALL)
 _SIZE = re.compile(r"([0-9]{1,6})(kB|MB|GB)", re.IGNORECASE)
@@ -80,8 +79,7 @@ def command(*, words: tuple[str, ...], file: Path, deadbands: tuple[str, ...], *
     is lost, station, line or room on the disk, is tried again forever, and gaps are marked. Exit code 1 if the last
     read failed or rows could not be written.
     """
-    from plcgen.ppi.log.files import Channel, iso, opener, require_columns
-    from plcgen.ppi.log.keeping import Keeper
+    from plcgen.ppi.log.files import Channel, Keeper, iso, opener, require_columns
     from plcgen.ppi.log.logger import Clock, Logger, Pace, Stations
     from plcgen.ppi.log.mqtt import Publisher, Target, paho_client
 
@@ -148,7 +146,7 @@ def _with_deadbands(channels: Sequence[Channel], texts: Sequence[str]) -> list[C
 
 
 def _rotation(text: str | None, keep: int | None) -> Rotation:
-    from plcgen.ppi.log.keeping import Rotation
+    from plcgen.ppi.log.files import Rotation
 
     if text is None:
         if keep is not None:

@@ -19,7 +19,7 @@ from plcgen.cli.ppi.places import cpu_option, symbols_option
 
 if TYPE_CHECKING:
     from plcgen.ppi.client import Client, Reading
-    from plcgen.ppi.client.places import Place
+    from plcgen.ppi.client.values import Place
 
 
 @verb(

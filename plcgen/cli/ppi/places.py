@@ -15,7 +15,7 @@ from plcgen.ppi.wire.errors import PpiError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from plcgen.ppi.client.places import Place
+    from plcgen.ppi.client.values import Place
     from plcgen.ppi.symbols import SymbolTable
     from plcgen.ppi.wire.model import Item, ItemWrite
     from plcgen.ppi.wire.profiles import CpuProfile
@@ -67,7 +67,7 @@ def read_places(
     words: Sequence[str], symbols: SymbolTable | None, cpu: CpuProfile | None, limit: int | None = None
 ) -> list[Place]:
     """Read what is to be read; ``limit`` is the longest value. Raises DiagnosticError with every problem."""
-    from plcgen.ppi.client.places import parse_place
+    from plcgen.ppi.client.values import parse_place
 
     def read(argument: Argument) -> Place:
         place = parse_place(argument.text, symbols)
@@ -82,7 +82,7 @@ def read_assignments(
     words: Sequence[str], symbols: SymbolTable | None, cpu: CpuProfile | None, limit: int | None = None
 ) -> list[tuple[Place, ItemWrite]]:
     """Read what is to be written, see ``read_places``. Raises DiagnosticError with every problem, overlaps included."""
-    from plcgen.ppi.client.places import parse_assignment
+    from plcgen.ppi.client.values import parse_assignment
     from plcgen.ppi.wire.pack import require_apart
 
     def read(argument: Argument) -> tuple[Place, ItemWrite]:
@@ -100,7 +100,7 @@ def read_assignments(
 
 
 def _each(words: Sequence[str], read: Callable[[Argument], Result]) -> list[Result]:
-    from plcgen.ppi.client.places import PlaceError
+    from plcgen.ppi.client.values import PlaceError
 
     found: list[Result] = []
     problems: list[Diagnostic] = []
@@ -115,7 +115,7 @@ def _each(words: Sequence[str], read: Callable[[Argument], Result]) -> list[Resu
 
 
 def _require_memory(item: Item, cpu: CpuProfile | None) -> None:
-    from plcgen.ppi.client.places import beyond
+    from plcgen.ppi.client.values import beyond
 
     error = beyond(item, cpu.sizes, cpu.title) if cpu is not None else None
     if error is not None:
@@ -123,7 +123,7 @@ def _require_memory(item: Item, cpu: CpuProfile | None) -> None:
 
 
 def _require_length(item: Item, limit: int | None) -> None:
-    from plcgen.ppi.client.places import too_long
+    from plcgen.ppi.client.values import too_long
 
     error = too_long(item, limit) if limit is not None else None
     if error is not None:

@@ -23,8 +23,7 @@ from typing import TYPE_CHECKING, Self
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Span
 from plcgen.base.line import Line
 from plcgen.ppi.client.exchange import NO_ANSWER, REFUSED, ClientError, Exchange, Settings
-from plcgen.ppi.client.places import Place, PlaceError, parse_place
-from plcgen.ppi.client.values import Value, text_of
+from plcgen.ppi.client.values import Place, PlaceError, Value, parse_place, text_of
 from plcgen.ppi.wire.areas import PDU_LIMIT, Area, ReturnCode
 from plcgen.ppi.wire.codes import return_code
 from plcgen.ppi.wire.errors import PpiError

@@ -18,8 +18,7 @@ from plcgen.ppi.wire.codes import return_code
 
 if TYPE_CHECKING:
     from plcgen.ppi.client import Reading, Written
-    from plcgen.ppi.client.places import Place
-    from plcgen.ppi.client.values import Value
+    from plcgen.ppi.client.values import Place, Value
     from plcgen.ppi.wire.model import ItemWrite
 
 HEADER = ("name", "address", "type", "value", "bytes")

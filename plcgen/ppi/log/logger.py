@@ -12,8 +12,7 @@ from plcgen.base.display.cells import clean
 from plcgen.base.line.model import LineError
 from plcgen.ppi.client import Client, ClientError
 from plcgen.ppi.client.values import Value
-from plcgen.ppi.log.files import Channel, Row, State
-from plcgen.ppi.log.keeping import Keeper
+from plcgen.ppi.log.files import Channel, Keeper, Row, State
 
 PAUSE = 10.0
 """Seconds for which a station that failed ``PATIENCE`` times in a row, or a line that cannot be opened, is left alone.

@@ -10,9 +10,20 @@ from pathlib import Path
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Report
 from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.base.files.files import below, refusal
-from plcgen.ppi.plan import times
 from plcgen.ppi.plan.jobs import JobPlanner
-from plcgen.ppi.plan.nouns import PlannedMaster, PlannedStation, PpiPlan
+from plcgen.ppi.plan.nouns import (
+    ACK_LEAST,
+    ACK_STATION,
+    E5,
+    REPLY_LEAST,
+    REPLY_STATION,
+    PlannedMaster,
+    PlannedStation,
+    PpiPlan,
+    chosen,
+    heard_ms,
+    longest_reply,
+)
 from plcgen.ppi.schema import PpiMaster, PpiSection, PpiStation
 from plcgen.ppi.symbols import PpiSymbol, SymbolTable, load_symbols
 from plcgen.ppi.wire.address import PpiAddressError, parse_item
@@ -80,8 +91,8 @@ def _master(key: str, master: PpiMaster, loaded: LoadedSpec, numbering: Numberin
     if classic:
         extra = (numbering.block("DB", f"{name}Ppi_Send", path), numbering.block("DB", f"{name}Ppi_Receive", path))
     baud = _baud(key, master, loaded, report)
-    heard = partial(times.heard_ms, baud=baud, ob1=master.ob1_cycle, classic=classic)
-    longest = times.longest_reply(jobs)
+    heard = partial(heard_ms, baud=baud, ob1=master.ob1_cycle, classic=classic)
+    longest = longest_reply(jobs)
     return PlannedMaster(
         key=key,
         module=_module(key, master, loaded, report, classic=classic),
@@ -89,8 +100,8 @@ def _master(key: str, master: PpiMaster, loaded: LoadedSpec, numbering: Numberin
         own_address=master.own_address,
         baud=baud,
         ob1_cycle=master.ob1_cycle,
-        ack_timeout=master.ack_timeout or times.chosen(times.ACK_LEAST, heard(times.E5), times.ACK_STATION),
-        reply_timeout=master.reply_timeout or times.chosen(times.REPLY_LEAST, heard(longest), times.REPLY_STATION),
+        ack_timeout=master.ack_timeout or chosen(ACK_LEAST, heard(E5), ACK_STATION),
+        reply_timeout=master.reply_timeout or chosen(REPLY_LEAST, heard(longest), REPLY_STATION),
         retry_pause=master.retry_pause,
         poll_pause=master.poll_pause,
         retries=master.retries,

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from plcgen.ppi.proof.rig import MasterRig
+from plcgen.ppi.proof.rig import MasterRig, check_job_tables, litter
 from plcgen.ppi.proof.scenario import LOST_SCANS, PpiScenario, loose
-from plcgen.ppi.proof.tables import check_job_tables, litter
 from plcgen.ppi.proof.words import CLOCK_END, DONE, DRAIN_MS, GAP_BITS, LEAD, LONGEST, STATES_OF, WORDS, State
 from plcgen.ppi.sim import FaultKind
 from plcgen.ppi.wire.areas import Function

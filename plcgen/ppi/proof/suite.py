@@ -9,7 +9,7 @@ from plcgen.base.diagnostics import Span
 from plcgen.base.diagnostics.counting import quantity, shortlist
 from plcgen.ppi.plan.nouns import PlannedMaster, PlannedStation, PpiJob, PpiPlan
 from plcgen.ppi.proof.conduct import MasterConduct
-from plcgen.ppi.proof.rig import MasterRig
+from plcgen.ppi.proof.rig import MasterRig, check_telegrams
 from plcgen.ppi.proof.scenario import (
     CHARACTER_BITS,
     FRAME_CALLS,
@@ -34,7 +34,6 @@ from plcgen.ppi.proof.scenarios import (
     wrong_replies,
 )
 from plcgen.ppi.proof.stated.times import stated_checks
-from plcgen.ppi.proof.tables import check_telegrams
 from plcgen.ppi.proof.together import ROW, procedures
 from plcgen.ppi.proof.wording import PpiWording
 from plcgen.ppi.proof.words import CLOCK_END, WORDS, State

@@ -7,9 +7,8 @@ from collections.abc import Callable, Iterable
 from collections.abc import Set as AbstractSet
 from typing import Literal, NamedTuple
 
-from plcgen.ppi.sim.cpu import BUSY
 from plcgen.ppi.sim.faults import BEFORE, DAMAGING, Fault, FaultKind, before, can_damage, damage
-from plcgen.ppi.sim.station import Interference, Station
+from plcgen.ppi.sim.station import BUSY, Interference, Station
 from plcgen.ppi.wire.fdl import encode_frame, found_frame
 from plcgen.ppi.wire.model import Acknowledgement, FixedFrame, Frame, VariableFrame
 from plcgen.ppi.wire.stream import Splitter

@@ -19,10 +19,9 @@ from plcgen.base.files.printed import Name, Printed
 from plcgen.base.files.validation import FileShape, Problems, StrictModel, load_document, problem, unique
 from plcgen.base.files.yaml import YamlNode, resolve_plain
 from plcgen.ppi.sim.bus import Bus
-from plcgen.ppi.sim.cpu import BY_LEVEL, LEAST_PDU, Mode, Service, Switch
 from plcgen.ppi.sim.faults import MOST, FaultKeys
 from plcgen.ppi.sim.memory import StationMemory, encode_value
-from plcgen.ppi.sim.station import FrameCountRule, Station
+from plcgen.ppi.sim.station import BY_LEVEL, LEAST_PDU, FrameCountRule, Mode, Service, Station, Switch
 from plcgen.ppi.wire.address import PpiAddressError, parse_item
 from plcgen.ppi.wire.areas import PDU_LIMIT, ReturnCode
 from plcgen.ppi.wire.model import Item

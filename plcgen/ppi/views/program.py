@@ -22,8 +22,7 @@ from plcgen.build.nouns import (
 )
 from plcgen.build.spelling import clean_title, comment_text, declared_type, literal, type_words
 from plcgen.ppi.plan.jobs import value_length
-from plcgen.ppi.plan.nouns import PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue, WireItem
-from plcgen.ppi.plan.times import GAP_BITS, line_ms
+from plcgen.ppi.plan.nouns import GAP_BITS, PlannedMaster, PpiJob, PpiPlan, PpiTelegram, PpiValue, WireItem, line_ms
 from plcgen.ppi.views.values import buffer_blocks, into_response, into_table, output_moves, stat_name, value_comment
 from plcgen.ppi.wire.areas import Function
 from plcgen.ppi.words import CLOCK_END, DIAGNOSTICS, DRAIN_MS, ONLY_CLASSIC, ONLY_NEW, STATES, STATUS_WORDS

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from plcgen.s7.layout.layout import Entry, Layout, layout_block, leaves, locate
 from plcgen.s7.types.data_types import ELEMENTARY, ArrayType, Elementary, StringType, UnfitValueError
-from plcgen.s7.types.initializers import Group, InitialItem, flatten, parse_initializer
-from plcgen.s7.types.literals import LiteralError, pack_literal
+from plcgen.s7.types.literals import Group, InitialItem, LiteralError, flatten, pack_literal, parse_initializer
 from plcgen.s7.types.values import Value, pack_value, unpack_value
 
 if TYPE_CHECKING:

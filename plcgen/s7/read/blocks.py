@@ -16,9 +16,8 @@ from plcgen.s7.read.text import parse_source
 from plcgen.s7.scl import ast
 from plcgen.s7.scl.parser import ParseResult, parse
 from plcgen.s7.types.blocks import Block, BlockKind, block_title
-from plcgen.s7.xml.reading.documents import KINDS, document_attributes
+from plcgen.s7.xml.reading.documents import KINDS, TagTable, document_attributes
 from plcgen.s7.xml.reading.source import KEYWORDS, source
-from plcgen.s7.xml.reading.tables import TagTable
 from plcgen.s7.xml.reading.xml import child, children, load, local, parse_xml, text
 from plcgen.s7.xml.spelling import REMANENCE
 

@@ -25,7 +25,7 @@ from plcgen.s7.types.system import system_block
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
 
-    from plcgen.s7.xml.reading.tables import TagTable
+    from plcgen.s7.xml.reading.documents import TagTable
 
 SYMBOL_SUFFIXES = frozenset({".sdf", ".asc"})
 MAX_BYTES = 4 * 1024 * 1024

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plcgen.base.diagnostics import Diagnostic, has_errors
@@ -11,11 +12,14 @@ from plcgen.base.display.cells import clean, cut, pad
 from plcgen.base.display.data import diagnostic_data, head
 from plcgen.base.display.table import text_table
 from plcgen.base.display.view import View
-from plcgen.s7.types.blocks import block_title
+from plcgen.s7.layout.layout import Entry, layout_block, leaves
+from plcgen.s7.types.blocks import Block, BlockKind, block_title
+from plcgen.s7.types.literals import type_text
 
 if TYPE_CHECKING:
     from plcgen.s7.layout.evidence import Rule
     from plcgen.s7.layout.shapes import Shape
+    from plcgen.s7.types.data_types import Member
 
 HEADER = ("offset", "address", "name", "type", "size", "start value", "comment")
 _MARKS = 5
@@ -307,3 +311,39 @@ def _draw(lines: list[str], row: LayoutRow, data: bytes, step: tuple[int, int]) 
         lines[-1] += f"{drawn}|"
     else:
         lines.append(f"{begin:6d} |{drawn}|")
+
+
+_BYTE_SIZES = (8, 16, 32)
+MOST = 5_000
+"""Members of a block that are listed."""
+
+
+class PanelTag(NamedTuple):
+    """A member of a data block for a panel.
+
+    ``symbolic`` is how the PLC names it, ``"DriveJobs".ramps.start``: S7-1200/1500, with any access. ``absolute`` is
+    ``%DB5.DBX0.0``: for a block with standard access and a number; empty for others, whose members have no address.
+    """
+
+    symbolic: str
+    absolute: str
+    type: str
+    comment: str
+
+
+def panel_tag(block: Block, entry: Entry) -> PanelTag:
+    """The member at an entry of a block's layout."""
+    single = None if entry.size in _BYTE_SIZES or entry.size > max(_BYTE_SIZES) else entry.bit
+    reached = block.number is not None and not block.optimized
+    absolute = f"%{member_address(block.number, entry.byte, single, entry.size)}" if reached else ""
+    member: Member = entry.member
+    return PanelTag(f'"{block.name}".{entry.path}', absolute, type_text(entry.type), member.comment)
+
+
+def panel_tags(block: Block, types: Mapping[str, Block]) -> Iterator[PanelTag]:
+    """Every elementary member of a data block, in the order of memory; nothing for other blocks.
+
+    Raises DiagnosticError as :func:`layout_block` does.
+    """
+    if block.kind is BlockKind.DB:
+        yield from (panel_tag(block, entry) for entry in islice(leaves(layout_block(block, types)), MOST))

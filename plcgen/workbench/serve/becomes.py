@@ -27,7 +27,7 @@ from plcgen.report.review.data import sheet_data
 from plcgen.report.review.excerpts import excerpts
 from plcgen.s7.read.generated import MANIFEST
 from plcgen.s7.read.text import decode_source
-from plcgen.s7.tables.panel import PanelTag
+from plcgen.s7.tables.tables import PanelTag
 from plcgen.workbench.serve.room import digest
 from plcgen.workbench.service.panel import tags_of
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from plcgen.s7.read.text import parse_source
-from plcgen.s7.tables.panel import PanelTag, panel_tags
+from plcgen.s7.tables.tables import PanelTag, panel_tags
 
 if TYPE_CHECKING:
     from plcgen.project.nouns import Project

@@ -149,7 +149,7 @@ def test_a_smaller_pdu_is_kept_to():
 
 def test_run_refused_by_the_selector():
     """With the mode selector at STOP the CPU refuses: 8001h."""
-    from plcgen.ppi.sim.cpu import Switch
+    from plcgen.ppi.sim.station import Switch
 
     client, _, _, _ = connect(switch=Switch.STOP)
     with pytest.raises(RefusedError) as caught:

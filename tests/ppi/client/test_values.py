@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plcgen.ppi.client.places import PlaceError, parse_assignment, parse_place
-from plcgen.ppi.client.values import pack_item, unpack
+from plcgen.ppi.client.values import PlaceError, pack_item, parse_assignment, parse_place, unpack
 from plcgen.ppi.wire.address import parse_item
 
 

@@ -7,9 +7,8 @@ from plcgen.base.line.endpoint import Clock as Virtual
 from plcgen.base.line.endpoint import EndpointLine
 from plcgen.base.line.model import LineError, LineLostError
 from plcgen.ppi.client import Client, Settings
-from plcgen.ppi.client.places import parse_place
-from plcgen.ppi.log.files import Channel, iso, opener
-from plcgen.ppi.log.keeping import Keeper
+from plcgen.ppi.client.values import parse_place
+from plcgen.ppi.log.files import Channel, Keeper, iso, opener
 from plcgen.ppi.log.logger import Logger, Pace, Stations
 from plcgen.ppi.sim import Bus, Station
 

@@ -16,10 +16,9 @@ import pytest
 
 from plcgen.base.diagnostics import DiagnosticError
 from plcgen.base.line.tcp import TcpServer
-from plcgen.ppi.client.places import parse_place
+from plcgen.ppi.client.values import parse_place
 from plcgen.ppi.log import files
-from plcgen.ppi.log.files import Channel, iso
-from plcgen.ppi.log.keeping import Rotation
+from plcgen.ppi.log.files import Channel, Rotation, iso
 from plcgen.ppi.log.logger import PAUSE, Pace
 from plcgen.ppi.sim import Bus, Station
 from plcgen.ppi.sim.serve import Serving

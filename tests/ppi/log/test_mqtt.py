@@ -13,7 +13,7 @@ import pytest
 
 from plcgen.base.line.tcp import TcpServer
 from plcgen.cli.main import run
-from plcgen.ppi.client.places import parse_place
+from plcgen.ppi.client.values import parse_place
 from plcgen.ppi.log.files import Channel, Row, State, iso
 from plcgen.ppi.log.mqtt import Publisher, Target, paho_client, topic_level
 from plcgen.ppi.sim import Bus, Station

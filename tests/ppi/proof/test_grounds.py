@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from plcgen.ppi.plan.nouns import PpiPlan
-from plcgen.ppi.proof.wording.grounds import groundless
+from plcgen.ppi.proof.wording import groundless
 from plcgen.project.opening import open_spec
 from tests.projects import ROOT
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from plcgen.base.diagnostics import DiagnosticError
-from plcgen.ppi.sim.cpu import Mode, Service, Switch
 from plcgen.ppi.sim.faults import Fault, FaultKind
 from plcgen.ppi.sim.load import load_bus, set_address
+from plcgen.ppi.sim.station import Mode, Service, Switch
 
 PLANT = """\
 stations:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from plcgen.ppi.sim import Bus, Station
-from plcgen.ppi.sim.cpu import BY_LEVEL, Mode, Service
+from plcgen.ppi.sim.station import BY_LEVEL, Mode, Service
 from plcgen.ppi.wire.address import PpiAddressError
 from plcgen.ppi.wire.areas import Area, ReturnCode, TransportSize
 from plcgen.ppi.wire.codes import header_error

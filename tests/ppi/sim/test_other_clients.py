@@ -9,7 +9,7 @@ from __future__ import annotations
 import pytest
 
 from plcgen.ppi.sim import Bus, Station
-from plcgen.ppi.sim.cpu import Mode
+from plcgen.ppi.sim.station import Mode
 from tests.s7_200_talk import E5
 
 

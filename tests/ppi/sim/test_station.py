@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from plcgen.ppi.sim import Bus, Station
-from plcgen.ppi.sim.cpu import Mode, Switch
+from plcgen.ppi.sim.station import Mode, Switch
 from plcgen.ppi.wire.areas import Area
 from plcgen.ppi.wire.model import (
     AckReply,

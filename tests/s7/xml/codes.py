@@ -7,8 +7,7 @@ from plcgen.s7.scl.cursor import unquote
 from plcgen.s7.scl.lexer import ADDRESS, KEYWORDS, LOCAL, NAME, QUOTED, tokenize
 from plcgen.s7.types.blocks import Block, BlockKind
 from plcgen.s7.xml.reading.documents import read_simaticml
-from plcgen.s7.xml.spelling import address
-from plcgen.s7.xml.versions import VERSIONS
+from plcgen.s7.xml.spelling import VERSIONS, address
 from plcgen.s7.xml.writing.documents import Setting, document
 from plcgen.s7.xml.writing.elements import BlockScope
 from plcgen.s7.xml.writing.structured_text import elements, numbered

@@ -12,7 +12,7 @@ import pytest
 from plcgen.build.rendering import render_project
 from plcgen.project.opening import open_spec
 from plcgen.s7.xml.reading.xml import parse_xml
-from plcgen.s7.xml.versions import VERSIONS
+from plcgen.s7.xml.spelling import VERSIONS
 from tests.evidence import simaticml
 from tests.evidence.__main__ import main
 from tests.evidence.signatures import Signature, data_type, literal, signatures

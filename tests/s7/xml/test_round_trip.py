@@ -21,7 +21,7 @@ from plcgen.s7.scl.parser import parse
 from plcgen.s7.types.data_types import ELEMENTARY
 from plcgen.s7.xml.reading.documents import read_simaticml
 from plcgen.s7.xml.reading.source import source
-from plcgen.s7.xml.versions import VERSIONS
+from plcgen.s7.xml.spelling import VERSIONS
 from plcgen.s7.xml.writing.documents import Setting, document
 from plcgen.s7.xml.writing.elements import BlockScope
 from plcgen.s7.xml.writing.structured_text import elements, numbered

@@ -8,7 +8,7 @@ import pytest
 
 from plcgen.s7.scl.declarations import blocks
 from plcgen.s7.scl.parser import parse
-from plcgen.s7.xml.versions import VERSIONS
+from plcgen.s7.xml.spelling import VERSIONS
 from plcgen.s7.xml.writing.documents import Setting
 from plcgen.s7.xml.writing.elements import BlockScope
 from plcgen.s7.xml.writing.structured_text import elements, numbered

@@ -10,7 +10,7 @@ import pytest
 
 from plcgen import api
 from plcgen.s7.read.text import parse_source
-from plcgen.s7.xml.versions import VERSIONS
+from plcgen.s7.xml.spelling import VERSIONS
 from plcgen.s7.xml.writing import structured_text
 from plcgen.s7.xml.writing.documents import Setting
 from tests.projects import every_type, generated_example

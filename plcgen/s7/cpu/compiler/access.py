@@ -6,8 +6,7 @@ import re
 from dataclasses import dataclass, field
 
 from plcgen.s7.cpu.compiler.context import Context, Listing
-from plcgen.s7.cpu.compiler.scope import scalar_name
-from plcgen.s7.cpu.compiler.values import UNKNOWN, MemoryPlace, Val
+from plcgen.s7.cpu.compiler.scope import UNKNOWN, MemoryPlace, Val, scalar_name
 from plcgen.s7.cpu.memory import CODECS
 from plcgen.s7.types.data_types import StringType
 

@@ -13,8 +13,7 @@ from plcgen.s7.cpu.compiler.assignments import Assignments
 from plcgen.s7.cpu.compiler.context import Context, Listing
 from plcgen.s7.cpu.compiler.conversions import coerce
 from plcgen.s7.cpu.compiler.places import Places
-from plcgen.s7.cpu.compiler.scope import is_open, scalar_name
-from plcgen.s7.cpu.compiler.values import UNKNOWN, Expressions, MemoryPlace, Val, unknown
+from plcgen.s7.cpu.compiler.scope import UNKNOWN, Expressions, MemoryPlace, Val, is_open, scalar_name, unknown
 from plcgen.s7.cpu.kinds import Kind
 from plcgen.s7.cpu.linkage import ProgramBlock
 from plcgen.s7.cpu.memory import CODECS

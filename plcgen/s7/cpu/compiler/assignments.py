@@ -9,8 +9,7 @@ from plcgen.s7.cpu.compiler.access import Access
 from plcgen.s7.cpu.compiler.context import Context, Listing
 from plcgen.s7.cpu.compiler.conversions import coerce
 from plcgen.s7.cpu.compiler.places import Places
-from plcgen.s7.cpu.compiler.scope import same_type, scalar_name
-from plcgen.s7.cpu.compiler.values import UNKNOWN, Expressions, MemoryPlace, Val
+from plcgen.s7.cpu.compiler.scope import UNKNOWN, Expressions, MemoryPlace, Val, same_type, scalar_name
 from plcgen.s7.cpu.type_rules import BITS, NUMBERED
 from plcgen.s7.layout.shapes import bare_shape
 from plcgen.s7.scl import ast

@@ -14,9 +14,8 @@ from plcgen.s7.cpu.compiler.conversions import coerce, truth
 from plcgen.s7.cpu.compiler.functions import Functions, Reported
 from plcgen.s7.cpu.compiler.library import Library, Moves, is_move
 from plcgen.s7.cpu.compiler.places import Places
-from plcgen.s7.cpu.compiler.scope import function_parameters
+from plcgen.s7.cpu.compiler.scope import UNKNOWN, Expressions, MemoryPlace, Val, function_parameters, unknown
 from plcgen.s7.cpu.compiler.statements import Watchdog
-from plcgen.s7.cpu.compiler.values import UNKNOWN, Expressions, MemoryPlace, Val, unknown
 from plcgen.s7.cpu.linkage import ProgramBlock
 from plcgen.s7.cpu.system.interfaces import SystemFb, system_fbs
 from plcgen.s7.layout.shapes import bare_shape

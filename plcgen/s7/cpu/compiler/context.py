@@ -9,8 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from plcgen.base.diagnostics import Diagnostic, Severity, Span
-from plcgen.s7.cpu.compiler.scope import Scope
-from plcgen.s7.cpu.compiler.values import MemoryPlace, Val
+from plcgen.s7.cpu.compiler.scope import MemoryPlace, Scope, Val
 from plcgen.s7.cpu.linkage import Linkage, Probe, ProgramBlock
 from plcgen.s7.cpu.type_rules import TypeRules
 from plcgen.s7.layout.shapes import Shape

@@ -5,7 +5,7 @@ from __future__ import annotations
 from plcgen.base.diagnostics import Severity
 from plcgen.s7.cpu.compiler.context import Context
 from plcgen.s7.cpu.compiler.literals import as_real, source_of
-from plcgen.s7.cpu.compiler.values import UNKNOWN, Val, wrapped
+from plcgen.s7.cpu.compiler.scope import UNKNOWN, Val, wrapped
 from plcgen.s7.cpu.type_rules import (
     BITS,
     CLOCKS,

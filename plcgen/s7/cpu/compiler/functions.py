@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from plcgen.base.diagnostics.suggest import did_you_mean
 from plcgen.s7.cpu.compiler.context import Context
 from plcgen.s7.cpu.compiler.conversions import coerce, convert_code, truth
-from plcgen.s7.cpu.compiler.values import UNKNOWN, Expressions, Val, unknown
+from plcgen.s7.cpu.compiler.scope import UNKNOWN, Expressions, Val, unknown
 from plcgen.s7.cpu.type_rules import (
     BITS,
     CLOCKS,

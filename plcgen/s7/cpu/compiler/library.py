@@ -12,8 +12,7 @@ from plcgen.s7.cpu.compiler.context import Context, Listing
 from plcgen.s7.cpu.compiler.conversions import coerce, truth
 from plcgen.s7.cpu.compiler.functions import Functions, bit_type
 from plcgen.s7.cpu.compiler.places import Places
-from plcgen.s7.cpu.compiler.scope import scalar_name
-from plcgen.s7.cpu.compiler.values import UNKNOWN, Expressions, MemoryPlace, Val, unknown
+from plcgen.s7.cpu.compiler.scope import UNKNOWN, Expressions, MemoryPlace, Val, scalar_name, unknown
 from plcgen.s7.cpu.memory import CODECS
 from plcgen.s7.cpu.system.library import GROUPS, ROWS, Row, parts
 from plcgen.s7.cpu.type_rules import BITS, INT_CONST, INTEGERS, REAL_CONST, TEXT_CONST, canonical, common_type

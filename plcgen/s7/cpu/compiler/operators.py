@@ -13,8 +13,7 @@ from plcgen.s7.cpu.compiler.context import Context
 from plcgen.s7.cpu.compiler.conversions import coerce, integer_code
 from plcgen.s7.cpu.compiler.literals import classify, source_of
 from plcgen.s7.cpu.compiler.places import Places
-from plcgen.s7.cpu.compiler.scope import same_type
-from plcgen.s7.cpu.compiler.values import UNKNOWN, Expressions, Val, unknown
+from plcgen.s7.cpu.compiler.scope import UNKNOWN, Expressions, Val, same_type, unknown
 from plcgen.s7.cpu.type_rules import (
     BITS,
     DURATIONS,

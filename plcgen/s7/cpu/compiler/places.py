@@ -10,8 +10,16 @@ from plcgen.s7.cpu.compiler.access import Access
 from plcgen.s7.cpu.compiler.context import Context, Listing
 from plcgen.s7.cpu.compiler.conversions import integer_code
 from plcgen.s7.cpu.compiler.literals import literal_value
-from plcgen.s7.cpu.compiler.scope import scalar_name
-from plcgen.s7.cpu.compiler.values import UNKNOWN, Expressions, MemoryPlace, Symbol, Val, unknown, whole_constant
+from plcgen.s7.cpu.compiler.scope import (
+    UNKNOWN,
+    Expressions,
+    MemoryPlace,
+    Symbol,
+    Val,
+    scalar_name,
+    unknown,
+    whole_constant,
+)
 from plcgen.s7.cpu.linkage import ProgramBlock
 from plcgen.s7.cpu.system.interfaces import system_fbs
 from plcgen.s7.cpu.type_rules import BITS, INT_CONST, INTEGERS, NUMBERED, POINTERS, REALS, WIDTHS, canonical

@@ -11,8 +11,7 @@ from plcgen.s7.cpu.compiler.access import Access, Key
 from plcgen.s7.cpu.compiler.assignments import Assignments
 from plcgen.s7.cpu.compiler.context import Context, Listing
 from plcgen.s7.cpu.compiler.conversions import coerce, truth
-from plcgen.s7.cpu.compiler.scope import scalar_name
-from plcgen.s7.cpu.compiler.values import UNKNOWN, Expressions, Val
+from plcgen.s7.cpu.compiler.scope import UNKNOWN, Expressions, Val, scalar_name
 from plcgen.s7.cpu.type_rules import BITS, INT_CONST, INTEGERS, TYPE_NAME
 from plcgen.s7.scl import ast
 from plcgen.s7.types.values import RANGES

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 from plcgen.s7.layout.shapes import INSTANCE_SECTIONS
 from plcgen.s7.types.blocks import Block, BlockKind, SectionKind
 from plcgen.s7.types.data_types import ArrayType, DataType, Member, NamedType, StructType, innermost
-from plcgen.s7.types.initializers import Group, InitialItem, Node, flatten, parse_initializer
-from plcgen.s7.types.literals import LiteralError
+from plcgen.s7.types.literals import Group, InitialItem, LiteralError, Node, flatten, parse_initializer
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -29,8 +29,7 @@ from plcgen.s7.scl.lexer import (
     Comment,
     Tokens,
 )
-from plcgen.s7.tables.panel import PanelTag, panel_tag
-from plcgen.s7.tables.tables import size_text
+from plcgen.s7.tables.tables import PanelTag, panel_tag, size_text
 from plcgen.s7.types.blocks import Block, BlockKind, SectionKind, block_title
 from plcgen.s7.types.data_types import elementary
 from plcgen.s7.types.literals import type_text
