@@ -81,8 +81,8 @@ def test_a_wrong_kind_does_not_keep_its_statement(toy: Path, tmp_path: Path, dis
     """PG641 where the spec has the job: the toy reads r0964, its statement says r0965; documents name r0964, too."""
     distribution("toy_statement", "plcgen.statements", "identify = toy_statement:steps", STATEMENT.replace("64", "65"))
     assert api.generate(toy, tmp_path / "out").ok
-    documents, found = api.verify(toy, tmp_path / "out", faults="none").problems
-    assert (documents.code, found.code, found.span.line) == ("PG614", "PG641", 4)
+    documents, found, guessed = api.verify(toy, tmp_path / "out", faults="none").problems
+    assert (documents.code, found.code, found.span.line, guessed.code) == ("PG614", "PG641", 4, "PG228")
     assert "a read of 965" in found.message
 
 

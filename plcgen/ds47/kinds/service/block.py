@@ -73,7 +73,12 @@ PARTS = (
         has=lambda job: job.serves,
         template="plcgen.ds47.kinds.service:parts.scl.j2",
         reserved=frozenset({"numbers"}),
-        view=lambda _, job: {"room": ROOM, "value": job.uses[0].member, "writes": job.permitted is not None},
+        view=lambda _, job: {
+            "room": ROOM,
+            "value": job.uses[0].member,
+            "writes": job.permitted is not None,
+            "edges": 2 * len(job.permitted.ranges) if job.permitted else 0,
+        },
         ends=7,
         words=lambda view: SERVICE_WORDS if view["writes"] else SERVICE_WORDS[:1],
         inputs=lambda plan, job: (*asked_values(plan, job), *written_values(plan, job)),
