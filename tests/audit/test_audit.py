@@ -411,7 +411,7 @@ def test_reports():
     assert json.loads(output_format("json").render("verification", result, PLAIN))["kind"] == "audit"
     run = json.loads(output_format("sarif").render("verification", result, PLAIN))["runs"][0]
     assert [r["ruleId"] for r in run["results"]] == ["PG651"]
-    document = ET.fromstring(output_format("junit").render("verification", result, PLAIN))  # noqa: S314 - our own output
+    document = ET.fromstring(output_format("junit").render("verification", result, PLAIN))  # our own output
     assert document.get("failures") == "1"
     names = {case.get("classname") for case in document.iter("testcase")}
     assert names == {"plcgen.audit.buffers", "plcgen.audit.calls"}

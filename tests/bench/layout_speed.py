@@ -39,7 +39,7 @@ _ATTRIBUTES = "".join(
 
 def members(count: int) -> list[tuple[str, str, str, str]]:
     """Name, type, start value and comment; always the same ones."""
-    chosen = random.Random(1).choices(_TYPES, k=count)  # noqa: S311 - the same block in every run
+    chosen = random.Random(1).choices(_TYPES, k=count)  # the same block in every run
     return [(f"Value_{n}", type_, start, f"comment of value {n}") for n, (type_, start) in enumerate(chosen)]
 
 

@@ -45,7 +45,7 @@ def killed(folder: Path, number: int, delay: float) -> None:
 
 
 def main(folder: Path, count: int) -> int:
-    chance = random.Random(6)  # noqa: S311 - no secret
+    chance = random.Random(6)  # no secret
     write_folder(state(0), folder)
     begin = time.perf_counter()
     write_folder(state(1), folder)

@@ -144,7 +144,7 @@ def test_tables_come_from_the_same_nouns(tmp_path: Path, monkeypatch: pytest.Mon
         "1. `udt/FrameType.udt`\n2. `db/Frame.db`\n3. `db/Toys.db`\n4. `scl/Toy.scl`\n5. `db/Toy_DB.db`"
         in made["IMPORT.md"]
     )
-    twins = "FrameType Frame Toys Toy Toy_DB Main Watch_Toy ToyTags".split()  # noqa: SIM905
+    twins = "FrameType Frame Toys Toy Toy_DB Main Watch_Toy ToyTags".split()
     written = {name for name in made if name.startswith("xml/")}
     assert written == {f"xml/{name}.xml" for name in twins} | {"xml/IMPORT.md", "xml/import.json", "xml/import.ps1"}
     values = made["xml/Frame.xml"].split('<Subelement Path="1">')[1]

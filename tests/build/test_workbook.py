@@ -20,8 +20,8 @@ V = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}v"
 def test_the_workbook_of_tags_is_that_of_an_export() -> None:
     """Sheet, titles, cells and property as in the PLCTags.xlsx of Canabis220/Robot; read here without plcgen's code."""
     with zipfile.ZipFile(generated_example(FAQ.stem) / "tags.xlsx") as book:
-        strings = ["".join(each.itertext()) for each in ET.fromstring(book.read("xl/sharedStrings.xml"))]  # noqa: S314
-        cells = ET.fromstring(book.read("xl/worksheets/sheet1.xml")).iter(V)  # noqa: S314
+        strings = ["".join(each.itertext()) for each in ET.fromstring(book.read("xl/sharedStrings.xml"))]
+        cells = ET.fromstring(book.read("xl/worksheets/sheet1.xml")).iter(V)
         assert b'<sheet name="PLC Tags" ' in book.read("xl/workbook.xml")
         assert re.search(rb'"TIA_Version"><vt:lpwstr[^>]*>1.0<', book.read("docProps/custom.xml"))
         stable = {(each.compress_type, each.create_system, each.date_time[0]) for each in book.infolist()}

@@ -152,7 +152,7 @@ def test_test_cases(plcgen, versions):
     """A test case per block that changed, which fails if a change fails the run; one that passes if nothing did."""
 
     def cases(*args):
-        root = ET.fromstring(plcgen("diff", *args, "-f", "junit").out)  # noqa: S314 - our own output
+        root = ET.fromstring(plcgen("diff", *args, "-f", "junit").out)  # our own output
         counts = {key: root.get(key) for key in ("tests", "failures")}
         return counts, [(case.get("name"), [part.tag for part in case]) for case in root.iter("testcase")]
 

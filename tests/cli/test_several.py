@@ -222,7 +222,7 @@ def test_verify_several_for_machines(plcgen, machines):
         name: plcgen("verify", "machines", "--faults", "none", "-f", name).out
         for name in ("junit", "json", "sarif", "github")
     }
-    root = ET.fromstring(found["junit"])  # noqa: S314 - our own output
+    root = ET.fromstring(found["junit"])  # our own output
     cases = [(case.get("classname"), case.get("name")) for case in root.iter("testcase")]
     assert len(set(cases)) == len(cases)
     assert {suite.get("name").partition(": ")[0] for suite in root} == {"machines/hall2/saw.yml", "machines/press.yaml"}

@@ -54,7 +54,7 @@ def test_a_fast_ob_does_not_keep_ob1_from_its_turn(tmp_path: Path) -> None:
     fast.write_text(FAST)
     files = [*out.glob("udt/*.udt"), *out.glob("db/*.db"), *out.glob("scl/*.scl"), fast]
     cpu = load_scl(*files, drives={270: load_drive(DRIVE, "pump.yaml")}, family="s7-1500").cpu
-    draw, ended = random.Random(1), 0  # noqa: S311 - points of a test
+    draw, ended = random.Random(1), 0  # points of a test
     for _ in range(1000):
         cpu["DriveJobs.readSpeed.execute"] = not cpu["DriveJobs.readSpeed.done"]
         cpu.run("Main", 40, interrupt=dict.fromkeys(draw.sample(range(60), 4), "OB35"))

@@ -28,7 +28,7 @@ class EngineConduct:
         self.rig, self.errand, self.job = rig, errand, rig.jobs[0]
         self.job.give(errand)
         self.job.db.set("slot", 1)
-        self.draw = random.Random(errand.key)  # noqa: S311 - test values
+        self.draw = random.Random(errand.key)  # test values
         self.reference: int | None = None
         self.restarted = self.unsure = False
         self.state = IDLE

@@ -174,6 +174,6 @@ def drive_for(errands: Sequence[Errand], objects: Sequence[int]) -> Drive:
 
 
 def _parameter(part: Wanted) -> SimulatedParameter:
-    values = unpack_values(part.format, part.count, random_values(part, random.Random(part.pnu)))  # noqa: S311 - test values
+    values = unpack_values(part.format, part.count, random_values(part, random.Random(part.pnu)))  # test values
     array = not part.format.is_string and part.count > 1
     return SimulatedParameter(part.pnu, part.format, list(values), array=array)

@@ -27,7 +27,7 @@ class JobField:
     ) -> None:
         self.rig = EngineRig(engine, errands, job_limit)
         self.cpu = self.rig.cpu
-        self.draw = random.Random(1)  # noqa: S311 - test values
+        self.draw = random.Random(1)  # test values
         self.rig.begin(EngineScenario(name="field"))
         self.sent: dict[int, list[bytes]] = {}
         self.granted: list[int] = []

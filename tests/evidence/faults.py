@@ -14,7 +14,7 @@ from plcgen.s7.scl.parser import ParseResult
 from plcgen.s7.types.data_types import elementary
 
 TOKEN, TYPE = "token", "type"
-_DELETED = frozenset("THEN DO OF END_IF END_FOR END_CASE END_WHILE UNTIL END_REPEAT ) ]".split())  # noqa: SIM905
+_DELETED = frozenset("THEN DO OF END_IF END_FOR END_CASE END_WHILE UNTIL END_REPEAT ) ]".split())
 _NUMBERS = frozenset({"SINT", "INT", "DINT", "USINT", "UINT", "UDINT", "REAL"})
 _UNKNOWN = "plcgen_unknown"
 
@@ -37,7 +37,7 @@ class Fault:
 def faults(result: ParseResult, count: int, seed: str) -> list[Fault]:
     """At most ``count`` faults of each kind; the same for the same ``seed``."""
     chosen: list[Fault] = []
-    chance = random.Random(seed)  # noqa: S311 - a sample, no secret
+    chance = random.Random(seed)  # a sample, no secret
     for found in (list(_tokens(result)), list(_types(result))):
         chosen += chance.sample(found, min(count, len(found)))
     return chosen

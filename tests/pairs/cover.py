@@ -24,7 +24,7 @@ def cover(
     every = ((names, values) for names in sets for values in product(*(dimensions[name] for name in names)))
     missing = {one: None for one in every if possible(dict(zip(*one, strict=True)))}
     of: dict[str, list[tuple[str, ...]]] = {name: [one for one in sets if name in one] for name in dimensions}
-    draw, rows = random.Random("cover"), []  # noqa: S311 - which of equal ones
+    draw, rows = random.Random("cover"), []  # which of equal ones
     while missing:
         begin = next(iter(missing))
         for _ in range(ATTEMPTS):

@@ -20,7 +20,7 @@ ANSWER = bytes.fromhex("68 16 16 68 00 02 08 32 03 00 00 00 00 00 02 00 05 00 00
 @pytest.mark.parametrize("size", [0, 7])
 def test_frames_behind_runs_of_start_bytes(pools: tuple[bytes, ...], size: int) -> None:
     """Of 3,600 frames at least 95 % are found, and less than 1 % of others are reported; in pieces as well."""
-    draw, data, real = random.Random(15), b"", set()  # noqa: S311 - test values
+    draw, data, real = random.Random(15), b"", set()  # test values
     for _ in range(3600):
         pool = draw.choice(pools)
         data += bytes(draw.choice(pool) for _ in range(draw.randrange(1, 12)))

@@ -40,7 +40,7 @@ class Fault:
 
 def faults(folder: Path, seed: int, count: int) -> list[Fault]:
     """So many faults, as many of each kind as there are."""
-    rng = random.Random(seed)  # noqa: S311 - which faults are tried
+    rng = random.Random(seed)  # which faults are tried
     kinds: dict[str, list[Fault]] = {}
     for path in sorted([*(folder / "scl").glob("*.scl"), *(folder / "db").glob("*.db")]):
         name = path.relative_to(folder).as_posix()

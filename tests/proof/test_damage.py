@@ -159,7 +159,7 @@ def damages(text: str, draw: random.Random) -> str:
 def test_whatever_is_damaged_there_is_a_report(spec: Path) -> None:
     """Every fourth file: deleted or damaged somewhere. The damage is noticed, and every group has its checks."""
     folder = spec.with_name("press_generated")
-    draw = random.Random("damage")  # noqa: S311 - which damage
+    draw = random.Random("damage")  # which damage
     for path in sorted(p for p in folder.rglob("*") if p.is_file() and "Ppi" not in p.name)[::4]:
         data = path.read_bytes()
         if draw.random() < 0.2:

@@ -142,7 +142,7 @@ def test_github_annotations():
 
 def test_junit_of_a_verification():
     """One case a check, failures and skips counted, names from the ids."""
-    root = ET.fromstring(verification("junit", results.VERIFICATION))  # noqa: S314 - our own output
+    root = ET.fromstring(verification("junit", results.VERIFICATION))  # our own output
     assert root.attrib == {"name": "plcgen verify specs/x.yaml", "tests": "3", "failures": "1", "errors": "0"}
     cases = [(c.get("classname"), c.get("name"), [e.tag for e in c]) for c in root.iter("testcase")]
     assert cases == [
@@ -158,7 +158,7 @@ def test_junit_of_check_is_valid_xml_for_any_text():
     """One case a spec; control characters and markup do not break the file; warnings do not fail it."""
     bad = Diagnostic("PG101", 'a<b>&"', Span("x\x1b\ud800\n.yaml"))
     text = findings("junit", ("a.yaml", [bad]), ("b.yaml", [results.WARNING]), ("c.yaml", []))
-    root = ET.fromstring(text)  # noqa: S314 - our own output
+    root = ET.fromstring(text)  # our own output
     assert [[e.tag for e in case] for case in root.iter("testcase")] == [["failure"], ["system-out"], []]
     failure = next(root.iter("failure"))
     assert failure.get("message") == 'a<b>&"'

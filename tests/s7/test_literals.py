@@ -1,6 +1,6 @@
 """Constants: expected values from the S7 manuals and hand calculation."""
 
-# ruff: noqa: DTZ001, PT017 - PLC clocks have no time zone; the name of a test is its claim
+# ruff: noqa: PT017 - PLC clocks have no time zone; the name of a test is its claim
 
 from __future__ import annotations
 

@@ -85,7 +85,7 @@ EDITS = {
 @pytest.mark.parametrize("kind", EDITS)
 def test_answers_are_those_of_the_whole(kind: str, desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two edits in a row, at places that are drawn and at words of blocks: the same as of a text that is new."""
-    random_ = random.Random(kind)  # noqa: S311 - the same places each time
+    random_ = random.Random(kind)  # the same places each time
     base = large().split("\n")
     words = ("FUNCTION", "END_", "DATA", "TYPE", "VAR", "BEGIN")
     heads = [number for number, line in enumerate(base) if line.startswith(words)]

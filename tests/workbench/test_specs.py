@@ -575,7 +575,7 @@ PIECES = (
 @pytest.mark.parametrize("path", SPECS, ids=lambda path: path.stem)
 def test_nothing_that_is_typed_fails(path: Path, desk: Desk) -> None:
     """Parts taken out, doubled and put in at places that are drawn: every question has an answer."""
-    drawn, text = random.Random(path.stem), path.read_text("utf-8")  # noqa: S311 - the same damages in every run
+    drawn, text = random.Random(path.stem), path.read_text("utf-8")  # the same damages in every run
     for n in range(12):
         start = drawn.randrange(len(text))
         end = min(start + drawn.randrange(60), len(text))

@@ -97,7 +97,7 @@ def load_document(
     report = Report()
     loaded = read_document(text, file, document, report, context)
     report.raise_on_errors()
-    assert loaded is not None  # noqa: S101 - raise_on_errors leaves only this case
+    assert loaded is not None  # raise_on_errors leaves only this case
     return loaded
 
 

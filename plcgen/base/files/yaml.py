@@ -378,5 +378,5 @@ def load_yaml(text: str, file: str) -> YamlNode:
     if node is None and not report.has_errors:
         report.add(Diagnostic("PG101", "the file is empty", Span(file, 1, 1, 1, 1)))
     report.raise_on_errors()
-    assert node is not None  # noqa: S101 - raise_on_errors leaves only this case
+    assert node is not None  # raise_on_errors leaves only this case
     return node

@@ -26,7 +26,7 @@ def fault(job: DriveJob, telegram: int, place: int, error: int, words: int) -> F
     """The parameter is refused in the n-th request: each telegram has one."""
     count = len(job.telegrams[telegram - 1].parts)
     before = sum(place <= len(other.parts) for other in job.telegrams[: telegram - 1])
-    assert place <= count  # noqa: S101 - a fault that never strikes would prove nothing
+    assert place <= count  # a fault that never strikes would prove nothing
     return Fault(
         FaultKind.ERROR, after=before, number=error, position=place, words=2 if words == 2 else 1, info=0x100 + place
     )

@@ -47,7 +47,7 @@ class Records:
     """The records as an array ``name`` of a data block; ``number`` is the one that counts."""
 
     def __init__(self, job: DriveJob, db: Members, name: str, number: int) -> None:
-        assert job.recipe is not None  # noqa: S101 - of such jobs only
+        assert job.recipe is not None  # of such jobs only
         self.job, self.db, self.name, self.number = job, db, name, number
         self.count = job.recipe.count
         self.whole = Spot.of(db.layout, name)

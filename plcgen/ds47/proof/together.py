@@ -174,7 +174,7 @@ def _gate(plant: Plant) -> None:
     layout = layout_of(plant.program, calls)
     channel = locate(layout, name)
     gate = next(e for e in layout.entries if e.depth == 0 and e.path != name)
-    assert channel.byte > gate.byte  # noqa: S101 - the gate is called first
+    assert channel.byte > gate.byte  # the gate is called first
     found = Members(plant.cpu, plant.program, calls, [f"{gate.path}.places", f"{gate.path}.channels"])
     places, channels = found.get(f"{gate.path}.places"), found.get(f"{gate.path}.channels")
     limit = PLACES[plant.cpu.family]

@@ -112,7 +112,7 @@ def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
 
 def _service(plan: DrivePlan, job: DriveJob) -> Iterator[Diagnostic]:
     """What a service cannot be permitted to write, and one that may not write anything."""
-    assert job.permitted is not None  # noqa: S101 - of such jobs only
+    assert job.permitted is not None  # of such jobs only
     keys = [(key, text) for key in ("allow", "allow_safety") for text in getattr(plan.entry(job), key)]
     for key, text in keys:
         if number_of(text) in guards.NOT_SERVED:

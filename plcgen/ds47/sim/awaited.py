@@ -46,7 +46,7 @@ def _come(use: Use, value: Value, item: DriveObject, first: int) -> Value:
         return wanted
     if isinstance(wanted, bytes | bool):
         return unpack_values(fmt, 1, bytes(byte ^ 1 for byte in use.data))[0]
-    assert isinstance(wanted, int | float)  # noqa: S101 - texts are not waited for
+    assert isinstance(wanted, int | float)  # texts are not waited for
     if isinstance(wanted, float):
         step: float = max(1.0, abs(wanted) / 1000)
     else:

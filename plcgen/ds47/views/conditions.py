@@ -13,7 +13,7 @@ from plcgen.ds47.wire.formats import FormatKind, unpack_values
 def condition_text(plan: DrivePlan, job: DriveJob, use: Use) -> str:
     """``r722.0 = 1`` or ``r21 > 100.0``."""
     awaited = use.as_(Wait)
-    assert awaited is not None  # noqa: S101 - only uses that wait come here
+    assert awaited is not None  # only uses that wait come here
     if awaited.follows:
         return f"{use.label} = bit 0 of {job.uses[0].label}"
     if awaited.bit is None:

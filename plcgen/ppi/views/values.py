@@ -93,7 +93,7 @@ def output_moves(plan: PpiPlan, job: PpiJob, value: PpiValue) -> list[dict[str, 
 def _source(telegram: PpiTelegram, field: PpiField, placed: Placed) -> str:
     """Expression of a value, or of one element by ``tempIndex``, over one member of a response DB."""
     value = placed.value
-    assert telegram.response is not None  # noqa: S101 - a read has one
+    assert telegram.response is not None  # a read has one
     member = f'"{telegram.response.home.name}".{field.name}'
     if field.type == value.type and len(field.placed) == 1:
         return f"{member}[#tempIndex]" if value.count > 1 else member

@@ -322,7 +322,7 @@ def _slowly(text: str, file: str) -> Loaded[LockKeys]:
     found = Report()
     loaded = read_document(text, file, LOCK, found)
     Report([replace(d, code=_CODE, help=_HELP) if d.code in _SHAPE else d for d in found]).raise_on_errors()
-    assert loaded is not None  # noqa: S101 - raise_on_errors leaves only this case
+    assert loaded is not None  # raise_on_errors leaves only this case
     return loaded
 
 

@@ -154,7 +154,7 @@ def watch(cpu: Cpu, path: str) -> tuple[Watched, DataType]:
         entry = member[2]
         offset, bits, declared = entry.offset, entry.size, entry.type
     else:
-        assert type_ is not None  # noqa: S101 - one of the two is there
+        assert type_ is not None  # one of the two is there
         bits, declared = type_.bits, type_
     mask = 1 << offset % 8 if bits == 1 else 0
     return Watched(memory, offset // 8, -(-(offset + bits) // 8), mask, lambda: cpu[path]), declared

@@ -261,7 +261,7 @@ def _function(entry: ProgramBlock, link: Linkage, answer: Answer) -> Callable[..
 
 
 def _instance(entry: ProgramBlock, answer: Answer) -> Callable[..., Any]:
-    assert entry.shape is not None  # noqa: S101 - an FB that was laid out
+    assert entry.shape is not None  # an FB that was laid out
     layout = Layout(entry.shape.bits // 8, entry.shape)
     inputs = [m.name for kind in (SectionKind.INPUT, SectionKind.IN_OUT) for m in entry.block.section(kind)]
 

@@ -134,5 +134,5 @@ def type_of(node: ast.Expression, value: int | None) -> DataType:
     if found is None:
         small = value is None or -(2**15) <= value < 2**15
         found = elementary("INT" if small else "DINT")
-    assert found is not None  # noqa: S101 - both names are in the table of elementary types
+    assert found is not None  # both names are in the table of elementary types
     return found

@@ -25,7 +25,7 @@ KEYWORDS = frozenset(
     EXIT CONTINUE RETURN GOTO REGION END_REGION AND OR XOR NOT MOD DIV TRUE FALSE ARRAY STRUCT END_STRUCT
     VAR VAR_INPUT VAR_OUTPUT VAR_IN_OUT VAR_TEMP END_VAR CONST END_CONST LABEL END_LABEL BEGIN
     FUNCTION_BLOCK END_FUNCTION_BLOCK FUNCTION END_FUNCTION ORGANIZATION_BLOCK END_ORGANIZATION_BLOCK
-    DATA_BLOCK END_DATA_BLOCK TYPE END_TYPE""".split()  # noqa: SIM905
+    DATA_BLOCK END_DATA_BLOCK TYPE END_TYPE""".split()
 )
 WORDS = KEYWORDS | {NAME, QUOTED, ADDRESS}
 """Kinds that may stand where only a name makes sense: after a dot, before ``:=`` in a call, before ``:``."""
@@ -43,8 +43,7 @@ _COUNT = r"(?:(?:[ \t]++[A-Z_]++|\s++(?:BYTE|WORD|INT))[ \t]++\d++)?+"
 _BYTES = r"(?<=\b[Bb]\#)\([ \t]*+[0-9]++(?:[ \t]*+,[ \t]*+[0-9]++)++[ \t]*+\)"
 """``B#(1, 2)``: the bytes of a WORD or DWORD in statement lists and their data blocks."""
 _NO_KEYWORD = "".join(
-    rf"(?<!\b(?i:{word})\#)"
-    for word in "NOT AND OR XOR MOD DIV IF ELSIF CASE WHILE UNTIL TO BY THEN ELSE DO".split()  # noqa: SIM905
+    rf"(?<!\b(?i:{word})\#)" for word in "NOT AND OR XOR MOD DIV IF ELSIF CASE WHILE UNTIL TO BY THEN ELSE DO".split()
 )
 """``NOT#x`` is a keyword and a local variable, no literal with a type."""
 _PREFIXED = "|".join(
@@ -81,9 +80,7 @@ _PATTERN = re.compile(
     )
 )
 _DELIMITERS = re.compile(r"\(\*|\*\)")
-_OPERATORS = frozenset(
-    ":= => ?= <= >= <> ** **= += -= *= /= &= .. + - * / & = < > ( ) [ ] { } . , : ; ^ @".split()  # noqa: SIM905
-)
+_OPERATORS = frozenset(":= => ?= <= >= <> ** **= += -= *= /= &= .. + - * / & = < > ( ) [ ] { } . , : ; ^ @".split())
 _TRIVIA_PARTS = re.compile(r"\n|//[^\n]*+|\(/\*[\s\S]*?\*/\)|/\*[\s\S]*?\*/|\(\*")
 
 

@@ -152,7 +152,7 @@ _SPELLING = {
     name.upper(): name
     for name in """Bool Byte Word DWord LWord SInt USInt Int UInt DInt UDInt LInt ULInt Real LReal Char WChar Time LTime
     S5Time Date Time_Of_Day LTime_Of_Day LDT DTL Date_And_Time Timer Counter Block_DB Block_FB Block_FC Block_SDB
-    Any Pointer Variant Void String WString PORT Struct""".split()  # noqa: SIM905 - one word each
+    Any Pointer Variant Void String WString PORT Struct""".split()  # one word each
 }
 BREAKS = re.compile(r"[\r\n\x0b\x0c\x1c-\x1e\x85\u2028\u2029]+")
 """Everything that begins a new line somewhere."""

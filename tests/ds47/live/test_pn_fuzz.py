@@ -52,7 +52,7 @@ def _talk(wire: Wire, order: str) -> None:
 
 def test_the_client(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever a device answers, the client has values or a message with a code, and an end."""
-    chance, count = random.Random(1), 0  # noqa: S311 - a sample, no secret
+    chance, count = random.Random(1), 0  # a sample, no secret
     # the same identifiers in every run: they are in the packets that are damaged
     monkeypatch.setattr("uuid.uuid4", lambda: uuid.UUID(int=chance.getrandbits(128)))
     monkeypatch.setattr("secrets.randbelow", chance.randrange)
@@ -83,7 +83,7 @@ def test_the_device() -> None:
     _talk(wire, "little")
     _talk(wire, "big")
     requests = [data for way, data in wire.seen if way == "there"]
-    chance, device = random.Random(2), PnDevice(drive(), room=3)  # noqa: S311 - a sample, no secret
+    chance, device = random.Random(2), PnDevice(drive(), room=3)  # a sample, no secret
     for _ in range(MANY):
         for answer in device.receive(damaged(chance, chance.choice(requests))):
             rpc.decode_packet(answer)
@@ -96,7 +96,7 @@ def test_the_device() -> None:
 
 def test_the_device_serves_in_the_midst() -> None:
     """Damaged packets of others between those of a good client do not disturb it."""
-    chance = random.Random(3)  # noqa: S311 - a sample, no secret
+    chance = random.Random(3)  # a sample, no secret
     device = PnDevice(drive(), room=4)
     sent: list[bytes] = []
     others: list[bytes] = []

@@ -24,7 +24,7 @@ class NoisyBus(Bus):
 
     def __init__(self, stations: list[Station], seed: int, byte: float = 1e-4, frame: float = 1 / 200) -> None:
         super().__init__(stations)
-        self.random, self.byte, self.frame = random.Random(seed), byte, frame  # noqa: S311 - noise
+        self.random, self.byte, self.frame = random.Random(seed), byte, frame  # noise
 
     def noisy(self, data: bytes) -> bytes:
         """What arrives of bytes that were sent."""

@@ -131,7 +131,7 @@ def test_a_line_that_vanishes_is_told(bus: Bus) -> None:
     class Gone:
         name = "gone"
 
-        def read(self, maximum: int = 1, timeout: float | None = None) -> bytes:  # noqa: ARG002
+        def read(self, maximum: int = 1, timeout: float | None = None) -> bytes:
             raise OSError("gone")
 
         def write(self, data: bytes) -> None:

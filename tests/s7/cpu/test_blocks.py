@@ -188,12 +188,12 @@ def test_edges(kind, expected):
 def test_date_and_time():
     """RD_SYS_T gives the module time: the date at switching on, and what has passed (help of RD_SYS_T; Sunday is 1)."""
     cpu = Cpu(load({"vars": "d : DTL; r : Int; h : USInt;", "code": "#r := RD_SYS_T(#d); #h := #d.HOUR;"}))
-    cpu.time.start_time = dt.datetime(2026, 11, 22, 23, 59, 59)  # noqa: DTZ001 - a CPU has no zone
+    cpu.time.start_time = dt.datetime(2026, 11, 22, 23, 59, 59)  # a CPU has no zone
     cpu.call("Test_DB", 250)
     assert bytes(cpu.db("Test_DB")[:12]) == bytes.fromhex("07EA 0B 16 01 17 3B 3B 0EE6B280")  # 250,000,000 ns
     cpu.call("Test_DB", 750)
     assert bytes(cpu.db("Test_DB")[:12]) == bytes.fromhex("07EA 0B 17 02 00 00 00 00000000")
     assert (cpu["Test_DB.r"], cpu["Test_DB.h"]) == (0, 0)
-    cpu.time.start_time = dt.datetime(1969, 12, 31)  # noqa: DTZ001
+    cpu.time.start_time = dt.datetime(1969, 12, 31)
     cpu.call("Test_DB")
     assert cpu["Test_DB.r"] == 0x8081 - 0x10000

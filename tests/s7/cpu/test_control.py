@@ -50,8 +50,8 @@ def test_discrete_control_timer_alarm(dialect):
     assert found(bench, ["ET", "OA"]) == {"ET": 222, "OA": False}
 
 
-INPUTS = "O_HIS C_HIS O_CMD C_CMD S_CMD O_FB C_FB".split()  # noqa: SIM905
-OUTPUTS = "OO CO OA CA O_HIS C_HIS Q".split()  # noqa: SIM905
+INPUTS = "O_HIS C_HIS O_CMD C_CMD S_CMD O_FB C_FB".split()
+OUTPUTS = "OO CO OA CA O_HIS C_HIS Q".split()
 ROWS = [  # ET, inputs, outputs, ET behind it: the rows of the help in order, PT is 22, 10 ms pass in the second scan
     (5, "1100000", "0011000", 22), (5, "0000011", "0011000", 22), (5, "1011100", "0000001", 5),
     (5, "0011000", "0000001", 5), (5, "0010000", "1000101", 0), (5, "1000000", "1000101", 15),

@@ -194,7 +194,7 @@ END_ORGANIZATION_BLOCK
 def test_start_information():
     """The 20 bytes of OB1, OB35 and OB100: System and Standard Functions A5E00709327-01, pages 1-5, 1-13 and 1-57."""
     found = load_scl(INFORMED, dialect="v5").cpu
-    found.time.start_time = dt.datetime(2026, 11, 22, 12, 34, 56)  # noqa: DTZ001 - a CPU has no zone
+    found.time.start_time = dt.datetime(2026, 11, 22, 12, 34, 56)  # a CPU has no zone
     date = "26 11 22 12 34 56"
 
     def info(member):

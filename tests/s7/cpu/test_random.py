@@ -32,7 +32,7 @@ class Walk:
     """Source text and the meaning of it, made together."""
 
     def __init__(self, seed):
-        self.rnd = random.Random(seed)  # noqa: S311 - reproducible programs, no secrets
+        self.rnd = random.Random(seed)  # reproducible programs, no secrets
         self.memory = bytearray(24)
         self.depth = 0
         self.passed = []

@@ -18,7 +18,7 @@ SOURCES = [source("job_v5.scl"), source("job_t15.scl"), source("faq_buffers.db")
 PARTS = re.compile(r"\w+|\s+|[^\w\s]")
 WORDS = """IF THEN END_IF := => .. (* *) /* */ // 16#FF T#1s %M0.0 CASE OF ELSE REGION END_REGION VAR END_VAR
     VAR_STAT STRUCT END_STRUCT ELSEIF ENDIF AT TYPE NOT ** GOTO 10: a: 1e999 INT# 2#2 TOD#99:99:99 D#2024-13-45
-    STRING[99999] REF_TO DATA_BLOCK BEGIN ENO""".split()  # noqa: SIM905
+    STRING[99999] REF_TO DATA_BLOCK BEGIN ENO""".split()
 PAIRS = ["METHOD x", "CLASS x", "EXTENDS y", "END IF", "DB 10", "EW 10", "TITLE = x", "P#DB1.DBX0.0 BYTE 10", "\n"]
 STRANGE = st.sampled_from([*WORDS, *PAIRS, "9" * 30, *"()[]{};:=#'\"-^\0\ufeffİ²"])
 MUTATION = st.tuples(st.integers(0, 10_000), st.integers(0, 40), st.sampled_from("dris"), STRANGE)

@@ -87,7 +87,7 @@ class BeaconProof:
         """None."""
         return ()
 
-    def foundation(self, folder) -> Iterator[Check]:  # noqa: ARG002 - the face
+    def foundation(self, folder) -> Iterator[Check]:  # the face
         """Nothing that other projects have too."""
         yield from ()
 
@@ -108,11 +108,11 @@ class BeaconProof:
     def exchanges(self, folder, partner, progress):
         """No lamp is simulated."""
 
-    def stated(self, program):  # noqa: ARG002 - the face
+    def stated(self, program):  # the face
         """Nobody says what a lamp must do."""
         return ()
 
-    def oracles(self, folder, *, dissector):  # noqa: ARG002 - the face
+    def oracles(self, folder, *, dissector):  # the face
         """Nobody else is asked."""
         return iter(())
 
@@ -134,18 +134,18 @@ class Beacon:
     details = ()
     length_note = ""
 
-    def section(self, *, alone):  # noqa: ARG002 - the same in every company
+    def section(self, *, alone):  # the same in every company
         """Lamps."""
         return Lamps
 
     def complete(self, schema, profiles) -> None:
         """There are no short forms."""
 
-    def pinned(self, loaded):  # noqa: ARG002 - no key fixes one
+    def pinned(self, loaded):  # no key fixes one
         """No number is fixed."""
         return ()
 
-    def plan(self, loaded, numbering, report) -> BeaconPlan:  # noqa: ARG002 - nothing can go wrong
+    def plan(self, loaded, numbering, report) -> BeaconPlan:  # nothing can go wrong
         """A block, an instance and a frame for each lamp."""
         jobs, blocks, own = [], [], {}
         for key, lamp in loaded.sections(Lamps).beacons.items():
@@ -204,7 +204,7 @@ class Beacon:
         for job in plan.jobs:
             yield JobState(job.key, job.key, (TelegramState(job.telegrams[0].request.data, 0, 0, 0, self.key),))
 
-    def review_sheet(self, plan: BeaconPlan) -> ReviewSheet:  # noqa: ARG002 - a toy
+    def review_sheet(self, plan: BeaconPlan) -> ReviewSheet:  # a toy
         """Nothing that has to be signed."""
         return ReviewSheet()
 
@@ -225,7 +225,7 @@ class Beacon:
         """The frames."""
         return BeaconProof(plan)
 
-    def audit(self, plan: BeaconPlan, sources) -> Audited:  # noqa: ARG002 - a toy
+    def audit(self, plan: BeaconPlan, sources) -> Audited:  # a toy
         """Nothing is found."""
         return Audited()
 

@@ -17,7 +17,7 @@ FAULTS = 945
 
 def acknowledging(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     """All of them."""
-    assert job.poll is not None  # noqa: S101 - of such jobs only
+    assert job.poll is not None  # of such jobs only
     yield from polling(job, job.poll, WORDS["NOT_ACKNOWLEDGED"])
     yield from _remaining(job, job.poll)
 

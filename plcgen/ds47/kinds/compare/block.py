@@ -50,7 +50,7 @@ def deviation_types(plan: DrivePlan, job: DriveJob) -> Iterator[TypeBlock]:
 
 
 def _list(job: DriveJob) -> DeviationList:
-    assert job.deviations is not None  # noqa: S101 - of jobs that compare only
+    assert job.deviations is not None  # of jobs that compare only
     return job.deviations
 
 

@@ -58,7 +58,7 @@ def _column_text(use: Use) -> str:
 def messages_view(plan: DrivePlan, job: DriveJob) -> dict[str, Any]:
     """What a block needs that lists messages: words, where the counter lies, for each group where its columns do."""
     found = job.messages
-    assert found is not None  # noqa: S101 - of such jobs only
+    assert found is not None  # of such jobs only
     views = {part.use.position: _view_of(telegram, part) for telegram in job.telegrams for part in telegram.parts}
     first = HEADER_SIZE + BLOCK_HEADER
     counted = job.uses[0].as_(Column) is None

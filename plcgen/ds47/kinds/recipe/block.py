@@ -101,7 +101,7 @@ def _elements(type_: DataType, data: bytes, usual: bytes) -> Iterator[tuple[int 
 
 
 def _recipe(job: DriveJob) -> PlannedRecipe:
-    assert job.recipe is not None  # noqa: S101 - of jobs with one only
+    assert job.recipe is not None  # of jobs with one only
     return job.recipe
 
 

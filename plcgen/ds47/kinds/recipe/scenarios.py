@@ -24,7 +24,7 @@ NOT_FINITE = {
 
 def recipes(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     """All of them. What the run before says of an error must not stay."""
-    assert job.recipe is not None  # noqa: S101 - of such jobs only
+    assert job.recipe is not None  # of such jobs only
     count = job.recipe.count
     place = len(job.telegrams[0].parts)
     yield DriveScenario(

@@ -29,7 +29,7 @@ def _view(_: DrivePlan, job: DriveJob) -> dict[str, Any]:
 
 
 def _times(job: DriveJob) -> list[tuple[str, int, str]]:
-    assert job.poll is not None  # noqa: S101 - of such jobs only
+    assert job.poll is not None  # of such jobs only
     return [
         ("SAVE_LIMIT", job.poll.limit, "ms, the longest time that the drive may take"),
         ("SAVE_INTERVAL", job.poll.interval, "ms, from one question to the next"),

@@ -22,7 +22,7 @@ CLOCK_MS = 3000
 
 def saving(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     """All of them."""
-    assert job.poll is not None  # noqa: S101 - of such jobs only
+    assert job.poll is not None  # of such jobs only
     yield from polling(job, job.poll, WORDS["NOT_SAVED"])
     yield from _guard(job, job.poll)
     if job.verified:

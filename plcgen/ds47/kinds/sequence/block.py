@@ -78,14 +78,14 @@ def _told(job: DriveJob) -> str:
 
 def _comparison(plan: DrivePlan, job: DriveJob, field: DriveField, member: str) -> dict[str, Any]:
     """One comparison: of a number in floating point as such, of others byte by byte, the first one with its sign."""
-    assert field.part is not None  # noqa: S101 - fields of values only
+    assert field.part is not None  # fields of values only
     use = field.part.use
     awaited = use.as_(Wait)
-    assert awaited is not None  # noqa: S101 - all parts of such a telegram wait
+    assert awaited is not None  # all parts of such a telegram wait
     shown = {"label": condition_text(plan, job, use), "number": use.parameter.pnu, "operator": awaited.operator}
     if use.format.kind is FormatKind.FLOAT:
         type_ = interface_type(use.format, 1, 0, plan.target)
-        assert isinstance(type_, Elementary)  # noqa: S101 - what has no type is refused
+        assert isinstance(type_, Elementary)  # what has no type is refused
         return {**shown, "bytes": [], "member": member, "value": literal(type_, use.data, v5=plan.target.v5)}
     masks = [0xFF] * use.format.size
     if awaited.bit is not None:

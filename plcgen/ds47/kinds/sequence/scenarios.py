@@ -54,7 +54,7 @@ def stepping(job: DriveJob, scans: int) -> Iterator[DriveScenario]:
     """All of them; ``scans`` is how long a run takes in which everything is there at once."""
     waits = [telegram for telegram in job.telegrams if telegram.awaited is not None]
     for telegram in waits:
-        assert telegram.awaited is not None  # noqa: S101 - chosen so
+        assert telegram.awaited is not None  # chosen so
         for place in _conditions(telegram):
             yield from _near(telegram, place, telegram.parts[place - 1])
         yield from _late(job, telegram, telegram.awaited)
@@ -232,7 +232,7 @@ def _last_never(job: DriveJob, waits: list[DriveTelegram]) -> Iterator[DriveScen
 def _in_a_pause(telegram: DriveTelegram, scans: int) -> Iterator[DriveScenario]:
     """Execute falls, rises again, or the CPU restarts while it is waited."""
     number, awaited = telegram.number, telegram.awaited
-    assert awaited is not None  # noqa: S101 - chosen so
+    assert awaited is not None  # chosen so
     missing = _missing(telegram, _conditions(telegram))
     last = scans + awaited.interval // 10
     late: dict[str, Any] = {"reads": {number: missing}, "parts": (Steps(questions={number: 2}),)}
@@ -299,15 +299,15 @@ def _shape_of(telegram: DriveTelegram) -> tuple[int, ...]:
 def _holds(part: Part, data: bytes) -> bool:
     """Whether a value is what is waited for."""
     use, awaited = part.use, part.use.as_(Wait)
-    assert awaited is not None  # noqa: S101 - parts that wait
+    assert awaited is not None  # parts that wait
     if awaited.bit is not None:
         same = int.from_bytes(data) >> awaited.bit & 1 == int.from_bytes(use.data) >> awaited.bit & 1
         return same == (awaited.operator == "=")
     value, wanted = (unpack_values(use.format, 1, one)[0] for one in (data, use.data))
     if awaited.operator in {"=", "<>"}:
         return (value == wanted) == (awaited.operator == "=")
-    assert isinstance(value, int | float)  # noqa: S101 - others have no order
-    assert isinstance(wanted, int | float)  # noqa: S101
+    assert isinstance(value, int | float)  # others have no order
+    assert isinstance(wanted, int | float)
     return {"<": value < wanted, "<=": value <= wanted, ">": value > wanted, ">=": value >= wanted}[awaited.operator]
 
 
@@ -328,7 +328,7 @@ def _values(part: Part) -> list[bytes]:
         changed = [bytes(b ^ (n == at) for n, b in enumerate(use.data)) for at in range(fmt.size)]
         return [use.data, *changed]
     wanted = unpack_values(fmt, 1, use.data)[0]
-    assert isinstance(wanted, int)  # noqa: S101 - it has a range
+    assert isinstance(wanted, int)  # it has a range
     steps = [step << 8 * at for at in range(fmt.size) for step in (1, -1)]
     near = (wanted, *(wanted + step for step in steps), *range_, 0, -1)
     fit = [value for value in dict.fromkeys(near) if range_[0] <= value <= range_[1]]
@@ -339,7 +339,7 @@ def _floats(part: Part) -> list[bytes]:
     """The number itself, its neighbours, the other sign, what is no number."""
     fmt = part.use.format
     wanted = unpack_values(fmt, 1, part.use.data)[0]
-    assert isinstance(wanted, float)  # noqa: S101 - its format says so
+    assert isinstance(wanted, float)  # its format says so
     bits = int.from_bytes(part.use.data)
     near = [one.to_bytes(fmt.size) for one in (bits, bits + 1, max(bits, 1) - 1)]
     others = (-wanted, 0.0, math.inf, -math.inf, math.nan)

@@ -77,7 +77,7 @@ def _answered(job: DriveJob, name: str, asked: Asked, block: bytes) -> DriveScen
 
 def writing(job: DriveJob, _: int) -> Iterator[DriveScenario]:
     """A service that writes: what passes and what does not, every type at its ends and beyond."""
-    assert job.permitted is not None  # noqa: S101 - of such jobs only
+    assert job.permitted is not None  # of such jobs only
     ranges = job.permitted.ranges
     inside = {number for first, last in ranges for number in (first, last)}
     step = max(1, len(ranges) // 12)

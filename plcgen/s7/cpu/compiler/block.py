@@ -267,7 +267,7 @@ class _Frame:
 
     def value(self, symbol: Symbol, how: str) -> str:
         """Code of what a parameter of an FC is in the end."""
-        assert symbol.place is not None  # noqa: S101 - every parameter has one
+        assert symbol.place is not None  # every parameter has one
         if symbol.place.local or (how == "reference" and not isinstance(symbol.place.shape.type, StringType)):
             return symbol.type_name
         type_ = scalar_name(symbol.place.shape)

@@ -36,7 +36,7 @@ from plcgen.s7.scl.instructions import INSTRUCTIONS, is_type_name, parameters
 _MAX_TEXTS = 32
 """So many texts CONCAT of an S7-1200/1500 joins."""
 _CONVERSION = re.compile(r"([A-Z][A-Z0-9_]*?)_TO_([A-Z][A-Z0-9_]*)")
-_MATH = frozenset("SQR SQRT EXP EXPD LN LOG SIN COS TAN ASIN ACOS ATAN FRAC".split())  # noqa: SIM905
+_MATH = frozenset("SQR SQRT EXP EXPD LN LOG SIN COS TAN ASIN ACOS ATAN FRAC".split())
 _ROUNDING = frozenset({"ROUND", "TRUNC", "FLOOR", "CEIL"})
 _SHIFTS = frozenset({"SHL", "SHR", "ROL", "ROR"})
 _ORDERED = frozenset({*INTEGERS, *REALS, *DURATIONS, *CLOCKS, *STAMPS})

@@ -102,7 +102,7 @@ _PLAIN_INDEXED = re.compile(r"(P?[IEQAM])([XBWD]?)", re.IGNORECASE)
 _START = frozenset(
     """INITIAL_CALL REMANENCE EVENT_COUNT LADDR USI ICHANNEL EVENTTYPE CAUGHTUP SECONDTIME SIGN FAULT_ID CSG_OBNR
     CSG_PRIO IO_STATE CHANNEL MULTIERROR EVENT_CLASS LOSTRETENTIVE LOSTRTC SLOT SPECIFIER PIP_INPUT PIP_OUTPUT
-    SYNCCYCLETIME BLOCKNR REACTION BLOCKTYPE AREA DBNR WIDTH""".split()  # noqa: SIM905
+    SYNCCYCLETIME BLOCKNR REACTION BLOCKTYPE AREA DBNR WIDTH""".split()
 )
 """Inputs of the organization blocks of the S7-1200/1500: sources do not declare them (help of RD_SINFO)."""
 AREAS = {"I": "I", "E": "I", "Q": "Q", "A": "Q", "M": "M", "PI": "P", "PE": "P", "PQ": "P", "PA": "P"}
@@ -243,7 +243,7 @@ class Places:
     def data_block(self, block: ProgramBlock) -> MemoryPlace:
         """Whole memory of a data block."""
         shape = block.shape
-        assert shape is not None  # noqa: S101 - the caller looked
+        assert shape is not None  # the caller looked
         region = f"d{block.index}"
         if region in self.context.link.instance_regions:
             self.access.aliased = True
@@ -324,8 +324,8 @@ class Places:
 
     def element(self, base: MemoryPlace, shape: Shape, indices: tuple[ast.Expression, ...]) -> MemoryPlace:
         """One element of an array."""
-        assert isinstance(shape.type, ArrayType)  # noqa: S101 - the caller looked
-        assert shape.element is not None  # noqa: S101
+        assert isinstance(shape.type, ArrayType)  # the caller looked
+        assert shape.element is not None
         offset, codes = 0, []
         for index, (low, high), stride in zip(indices, shape.type.bounds, shape.strides, strict=True):
             value = self.expressions.value(index)
@@ -458,7 +458,7 @@ class Places:
 
 def _rows(array: Shape, count: int) -> Shape:
     """Return an array of several dimensions as one of ``count`` dimensions whose elements are arrays."""
-    assert isinstance(array.type, ArrayType)  # noqa: S101 - the caller looked
+    assert isinstance(array.type, ArrayType)  # the caller looked
     bounds, bits = array.type.bounds, array.strides[count - 1]
     type_ = ArrayType(bounds[count:], array.type.element)
     row = Shape(type_, bits, 16, bits, 16, element=array.element, strides=array.strides[count:])
@@ -469,7 +469,7 @@ def _rows(array: Shape, count: int) -> Shape:
 def characters(text: MemoryPlace) -> MemoryPlace:
     """Return the characters of a STRING or WSTRING as an array: ``s[1]`` is the first one."""
     type_ = text.shape.type
-    assert isinstance(type_, StringType)  # noqa: S101 - the caller looked
+    assert isinstance(type_, StringType)  # the caller looked
     wide = type_.name == "WSTRING"
     element = bare_shape("WCHAR" if wide else "CHAR")
     array = ArrayType(((1, type_.length),), element.type)

@@ -73,7 +73,7 @@ def hover(state: SourceState, line: int, column: int) -> Hover | None:
 
 def _member(state: SourceState, meant: Meant) -> Page:
     member = meant.member
-    assert member is not None  # noqa: S101 - the caller asks for members only
+    assert member is not None  # the caller asks for members only
     root, facts = meant.root, [f"type: {type_text(member.type)}"]
     if meant.section is not None and root.kind not in {BlockKind.UDT, BlockKind.DB}:
         facts.append(f"section: {meant.section.value}")

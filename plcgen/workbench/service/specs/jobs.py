@@ -149,7 +149,7 @@ class _Trial:
             found = found or JobOffer(
                 form.kind, form.title, keys, wrong.message, wrong.help, wrong.code, asks=asks, parameter=parameter
             )
-        assert found is not None  # noqa: S101 - every form has a text
+        assert found is not None  # every form has a text
         return found
 
     def wrong(self, text: str) -> Diagnostic | None:
