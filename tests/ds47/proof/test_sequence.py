@@ -82,7 +82,7 @@ def test_it_asks_until_all_is_there(plant: Plant) -> None:
     assert (status, failed[-1]) == (0, (0, 0))
     assert sent(plant) == [WRITE, ASK, ASK, LAST]
     assert SECOND <= scans <= SECOND + 60
-    assert plant.cpu['"DriveJobs".steps.p722Bit9Step2'] == 512
+    assert plant.cpu['"DriveJobs".steps.r722Bit9Step2'] == 512
 
 
 def test_it_waits_in_vain(plant: Plant) -> None:
