@@ -15,7 +15,9 @@ from plcgen.s7.types.blocks import Block
 
 _EMPTY = "H0000000"
 """What a template has in place of the hash; its VERSION is 0.0."""
-_NAME, _VERSION = (re.compile(rf"^{key} : .*$", re.MULTILINE) for key in ("NAME", "VERSION"))
+_NAME = re.compile(r"^NAME : .*$", re.MULTILINE)
+_VERSION = re.compile(r"^(VERSION : '?)0\.0('?)$", re.MULTILINE)
+"""In quotation marks for STEP 7 V5."""
 _UNHASHED = re.compile(r"^(?:NAME|VERSION) : .*\n", re.MULTILINE)
 
 
@@ -27,6 +29,6 @@ def with_own_hash(text: str, block: Block) -> tuple[str, Block]:
     if block.attributes.get("NAME") != _EMPTY:
         return text, block
     name = f"H{hashlib.sha256(_UNHASHED.sub('', text).encode()).hexdigest()[:7].upper()}"
-    version = block.attributes["VERSION"].replace("0.0", ".".join(__version__.split(".")[:2]))
-    text = _NAME.sub(f"NAME : {name}", _VERSION.sub(f"VERSION : {version}", text, count=1), count=1)
+    version = ".".join(__version__.split(".")[:2])
+    text = _NAME.sub(f"NAME : {name}", _VERSION.sub(rf"\g<1>{version}\g<2>", text, count=1), count=1)
     return text, replace(block, attributes=block.attributes | {"NAME": name, "VERSION": version})

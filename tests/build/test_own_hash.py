@@ -110,3 +110,13 @@ def test_a_changed_block_is_reported_once(tmp_path: Path) -> None:
     found = api.diff([tmp_path / "old"], [tmp_path / "new"]).changes
     assert found
     assert not [change.message for change in found if change.message.startswith(("name", "version"))]
+
+
+def test_the_version_is_written_as_the_language_has_it() -> None:
+    """In quotation marks for STEP 7 V5, as those of the engine (S7-SCL V5.3 manual, block attributes), else without."""
+    for name, mark in (("s7-300_plant_v5", "'"), ("s7-1500_g120_compare", "")):
+        (source,) = generated_example(name).glob("*.scl")
+        text = source.read_bytes().decode("latin-1")
+        heads = [head.split("VAR")[0] for head in re.split(r"^FUNCTION_BLOCK", text, flags=re.MULTILINE)[1:]]
+        assert len(heads) > 3
+        assert all(re.search(rf"^VERSION : {mark}\d+\.\d+{mark}\r?$", head, re.MULTILINE) for head in heads)
