@@ -6,6 +6,7 @@ Integers of 64 bits, which an S7-1200 has no type for, are in tests/build/test_g
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -55,6 +56,9 @@ SAME = {
 """The family whose text it is, the tool, the key of an address, record jobs at once (Siemens entry 15364459)."""
 
 
+HASH = re.compile(r"\bH[0-9A-F]{7}\b")
+
+
 def generated(folder: Path, family: str, toolchain: str, key: str) -> dict[str, list[str]]:
     """What is compiled or imported, line by line, but for what lists or counts the files."""
     folder.mkdir()
@@ -71,7 +75,7 @@ def generated(folder: Path, family: str, toolchain: str, key: str) -> dict[str, 
 
 @pytest.mark.parametrize("family", SAME)
 def test_every_kind_is_the_same_text(family: str, tmp_path: Path) -> None:
-    """One line differs: how many record jobs the caller lets run at once."""
+    """One line differs: how many record jobs the caller lets run at once; and with it the caller's hash of itself."""
     other, toolchain, key, places, others = SAME[family]
     mine = generated(tmp_path / "mine", family.partition(" ")[0], toolchain, key)
     found = generated(tmp_path / "other", other, toolchain, key)
@@ -79,7 +83,9 @@ def test_every_kind_is_the_same_text(family: str, tmp_path: Path) -> None:
     assert [*mine] == [*found]
     assert [len(lines) for lines in mine.values()] == [len(lines) for lines in found.values()]
     differ = {
-        name: [pair for pair in zip(mine[name], found[name], strict=True) if pair[0] != pair[1]]
+        name: [
+            pair for pair in zip(mine[name], found[name], strict=True) if HASH.sub("", pair[0]) != HASH.sub("", pair[1])
+        ]
         for name in mine
         if mine[name] != found[name]
     }
