@@ -31,7 +31,7 @@ def _block_names() -> list[str]:
     text = "\n".join([(folder / "job.scl.j2").read_text("utf-8").split("BEGIN")[0], *texts])
     declared = _DECLARED.findall("\n".join(line.split("//")[0] for line in text.splitlines()))
     blocks = "".join(path.read_text("utf-8") for path in (ROOT / "plcgen" / "ds47" / "kinds").glob("*/block.py"))
-    names = {*declared, *re.findall(r'\("([A-Z]+_[A-Z]+)", ', blocks)} - {"AUTHOR", "FAMILY", "VERSION"}
+    names = {*declared, *re.findall(r'\("([A-Z]+_[A-Z]+)", ', blocks)} - {"AUTHOR", "FAMILY", "NAME", "VERSION"}
     return sorted(name for name in names if not name.startswith("ACKNOWLEDGE_"))  # beside values that have fixed names
 
 

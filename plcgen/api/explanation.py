@@ -69,16 +69,13 @@ def _block_page(kind: str, number: int) -> Page:
 
 def _of_a_drive(text: str, device: str) -> tuple[tuple[str, str], ...]:
     """Four digits are the number of a message, too, if its first digit is left out, 7901 of F07901; C840 is a sink."""
+    four = _FOUR.match(text)
+    if not four and not _SINK.match(text):
+        return ()
     from plcgen.ds47.lookup import message_page, parameter_page
 
-    if _FOUR.match(text):
-        what, asked = "message", f"0{text}"
-        page = message_page(asked, device)
-    elif _SINK.match(text):
-        what, asked = "parameter", f"c0{text[1:]}"
-        page = parameter_page(asked, device)
-    else:
-        return ()
+    what, asked = ("message", f"0{text}") if four else ("parameter", f"c0{text[1:]}")
+    page = message_page(asked, device) if four else parameter_page(asked, device)
     return () if page is None else ((f"As a {what} of a drive", f"{page.key}: {page.title}; plcgen explain {asked}"),)
 
 
