@@ -41,6 +41,12 @@ UNLIKE = 'P43000: {type: Unsigned64}, P43001: {type: Integer16}, P43002: {type: 
 SPECS: dict[str, dict[str, Any]] = {
     "inputs of an odd number of bytes for data blocks of their own": spec(S400, ODD, OWN),
     "the same in STEP 7 V5": spec(V5, ODD, OWN),
+    **{
+        f"several Booleans for a data block of their own, {plc}": spec(
+            plc, "P43000: {type: Boolean}", 'jobs: {j: {drive: a, write: {"P43000[1..3]": null}, buffers: db}}'
+        )
+        for plc in (S300, V5, S1500)
+    },
     "a pause that is longer than what counts of a scan": spec(
         S1500, FLOAT, "jobs: {j: {drive: a, read: [P43000], timeout: 60s, retry_pause: 2s}}"
     ),

@@ -381,7 +381,8 @@ def _own_writes(plan: DrivePlan, job: DriveJob) -> list[tuple[str, str]]:
         size = type_.bits // 8
         for number in range(field.part.size // size):  # the interface has no pad behind an odd number of bytes
             source = name if low is None else f"{name}[{low + number}]"
-            own = interface_type(field.part.use.format, 1, field.part.use.subindex, plan.target)
+            own = interface_type(field.part.use.format, field.part.use.count, field.part.use.subindex, plan.target)
+            own = own.element if isinstance(own, ArrayType) else own  # several Booleans are bytes, one is a BOOL
             cell = _CELLS[size][0]
             given = own.name if isinstance(own, Elementary) else type_.name
             found.append((_cell(plan, field.offset + number * size, size), _as_cell(source, given, cell)))
