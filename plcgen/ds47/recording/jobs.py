@@ -10,8 +10,10 @@ from plcgen.ds47.plan.access import Compare, Recount, Use
 from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 from plcgen.ds47.sim.awaited import let_come
 from plcgen.ds47.sim.drive import Drive
+from plcgen.ds47.wire.codec import TelegramError, decode_request
 from plcgen.ds47.wire.errors import error_text
 from plcgen.ds47.wire.formats import unpack_values
+from plcgen.ds47.wire.model import RequestId
 from plcgen.ds47.wire.status import explain_status
 from plcgen.ds47.words import CHANNEL_STATES, ERROR_DEVIATES, STATUS_WORDS
 from plcgen.report.trace.face import JobEnd, JobFacts, JobInput, Observed
@@ -169,6 +171,7 @@ class DriveJobWatch:
         self._state = Derived(partial(units.state, planned))
         self._state.changed()
         self._record = _while_held(cpu, f'"{planned.drive.unit.db.name}".unit.recordStatus', units, planned)
+        self._sent: dict[int, bytearray] = {}
 
     def inputs(self) -> Iterator[JobInput]:
         """Values of parameters with what the catalogue knows of them, then what else the kind takes."""
@@ -194,8 +197,28 @@ class DriveJobWatch:
         return self._state.changed() and self._state.value() == _PAUSE
 
     def sends(self, contact: Contact) -> bool:
-        """Whether the drive took a request."""
-        return contact.direction == "write" and not contact.status
+        """Whether the drive took a request; what was written with it is kept for the end."""
+        taken = contact.direction == "write" and not contact.status
+        if taken:
+            self._keep_sent(contact.data)
+        return taken
+
+    def _keep_sent(self, request: bytes) -> None:
+        """The request may lie in a data block of the user's: what is planned is only its start value."""
+        try:
+            found = decode_request(request)
+        except TelegramError:
+            return
+        if found.request_id != RequestId.CHANGE:
+            return
+        number = self._cpu[f"{self._path}.statTicket.ask.telegram"]
+        parts = next((one.parts for one in self._planned.telegrams if one.number == number), ())
+        for part, address, block in zip(parts, found.addresses, found.values, strict=False):
+            use, same = part.use, (address.pnu, address.subindex) == (part.use.parameter.pnu, part.subindex)
+            again = self._planned.restores and use.position in self._sent  # old values, written back
+            if use.writes and same and len(block.data) == part.size and not again:
+                at = part.start * use.format.size
+                self._sent.setdefault(use.position, bytearray(use.data))[at : at + part.size] = block.data
 
     def end(self, *, finished: bool) -> JobEnd:
         """STATUS of the last record call while the job had the unit, and every parameter."""
@@ -204,6 +227,8 @@ class DriveJobWatch:
         found = explain_status(number)
         errors, infos = (recorded_value(self._cpu[f"{self._diagnosis}.{name}"]) for name in _RESULTS)
         values = tuple(self._value(use, errors, infos, finished=finished) for use in self._planned.uses)
+        if finished:
+            self._sent.clear()
         return JobEnd(number, found.text if found.error else "", values)
 
     def _value(self, use: Use, errors: Value, infos: Value, *, finished: bool) -> JobValue:
@@ -212,8 +237,9 @@ class DriveJobWatch:
         value: Value | None = None
         if use.bits:
             value = None  # what the word is besides its bits, the old one says
-        elif use.constant:
-            values = [_octets(item) for item in unpack_values(use.format, use.count, use.data)]
+        elif use.constant or use.position in self._sent:
+            sent = bytes(self._sent.get(use.position, use.data))
+            values = [_octets(item) for item in unpack_values(use.format, use.count, sent)]
             value = recorded_value(values[0] if len(values) == 1 else values)
         elif not use.as_(Recount) and (use.supplied or (finished and word in {0, ERROR_DEVIATES})):
             value = recorded_value(self._cpu[f"{self._path}.{value_path(self._planned, use)}"])

@@ -57,6 +57,40 @@ def test_telegrams_and_value(run: Run, target: str) -> None:
     assert (value.label, value.value, value.unit, value.error) == ("P50303", 10.0, "s", None)
 
 
+@pytest.mark.parametrize("target", ["faq", "v5", "t3", "t15"])
+def test_the_value_of_a_job_is_the_one_that_was_sent(run: Run, target: str) -> None:
+    """A request in a data block of the user's sends what is there: 50.0 (42480000), not the 100.0 of the spec."""
+    trace = run(target, jobs=["write_ramp_down"], sets=['"WR_DataBuffer_1".Value=50.0'])
+    request = next(c.data for step in trace.steps for c in step.contacts if c.direction == "write")
+    assert request[-4:] == bytes.fromhex("42480000")
+    assert [value.value for value in trace.jobs[0].values] == [50.0]
+
+
+@pytest.mark.parametrize(("at", "value"), [(1, 7.5), (6, 5.0)])
+def test_an_input_that_changes_after_the_request_was_sent(tmp_path: Path, at: int, value: float) -> None:
+    """Sent in scan 4: what the input becomes in scan 6 belongs to the next start; the spec starts with 5.0."""
+    spec = tmp_path / "job.yaml"
+    spec.write_text(FAQ.read_text("utf-8").replace("write: {P50304: 100.0}", "write: {P50304: {start: 5.0}}"), "utf-8")
+    text = spec.read_text("utf-8")
+    assert "start: 5.0" in text
+    assert api.generate(spec, tmp_path / "out").ok
+    sets = [f"writeRampDown.rampDownTime1=7.5@{at}"]
+    trace = api.simulate(spec, tmp_path / "out", jobs=["write_ramp_down"], sets=sets)
+    assert [one.value for one in trace.jobs[0].values] == [value]
+
+
+def test_a_parameter_that_a_sequence_writes_twice(tmp_path: Path) -> None:
+    """Each step tells of its own value, not of the last one that was sent."""
+    spec = tmp_path / "job.yaml"
+    text = FAQ.read_text("utf-8").partition("jobs:")[0]
+    spec.write_text(
+        f"{text}jobs: {{twice: {{drive: dcm, sequence: [write: {{P50304: 5.0}}, write: {{P50304: 7.0}}]}}}}"
+    )
+    assert api.generate(spec, tmp_path / "out").ok
+    trace = api.simulate(spec, tmp_path / "out")
+    assert [one.value for one in trace.jobs[0].values] == [5.0, 7.0]
+
+
 def test_two_jobs_take_turns(run: Run) -> None:
     """The channel sees in scan 8 that the first job has gone, and gives the unit to the second one in the same scan."""
     trace = run()
