@@ -50,6 +50,7 @@ Grade: TypeAlias = Literal["read", "inferred", "recalled"]
 Fact: TypeAlias = Literal[
     "title", "type", "unit", "access", "array", "min", "max", "default", "bico", "values", "scaling", "objects"
 ]
+_DOUBTS: Mapping[Grade, str] = {"inferred": "inferred", "recalled": "from general knowledge"}
 DECIDING: tuple[Fact, ...] = ("array", "min", "max", "default", "values")
 """What decides something about jobs, and therefore counts only if it was read."""
 _PRODUCT = re.compile("[a-z]*[0-9]+[a-z]*")
@@ -114,6 +115,12 @@ class Parameter:
     def read(self, fact: Fact) -> bool:
         """Whether a fact was read in its source."""
         return self.grades.get(fact) == "read"
+
+    def doubt(self, *facts: Fact) -> str:
+        """What a message adds that rests on some facts: how those are known that were not read; empty if all were."""
+        known = {self.grades.get(fact, "read") for fact in facts}
+        shown = [words for grade, words in _DOUBTS.items() if grade in known]
+        return f" ({' and '.join(shown)}, not read in a manual)" if shown else ""
 
 
 def counts(value: float, scale: float) -> float:

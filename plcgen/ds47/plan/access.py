@@ -137,6 +137,11 @@ class Use:
         return isinstance(self.role, Write)
 
     @property
+    def type_text(self) -> str:
+        """Its type, for messages, with what is to be added if nobody has read it."""
+        return f"{self.format.name}{self.parameter.doubt('type')}"
+
+    @property
     def supplied(self) -> bool:
         """Whether it has a value of this side: a constant, an input or a member of a record."""
         return isinstance(self.role, Write | Compare | Bit)

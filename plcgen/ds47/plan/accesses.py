@@ -229,7 +229,7 @@ class Accesses:
         """Whether a value fits the list of deviations; PG249 if not."""
         if not use.format.is_string and use.format.size <= _LARGEST:
             return True
-        message = f"{use.label} is {use.format.name}: the list of deviations has numbers of 1, 2 or 4 bytes"
+        message = f"{use.label} is {use.type_text}: the list of deviations has numbers of 1, 2 or 4 bytes"
         place = self.loaded.span((*use.path, "parameter"))
         self.report.add(Diagnostic("PG249", message, place, help="read it in another job"))
         return False

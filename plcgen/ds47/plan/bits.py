@@ -87,12 +87,13 @@ class BitResolver:
         if word.count > 1:
             self._problem(f"{word.label} has several values: a bit belongs to one of them", place, "write one index")
         elif word.sources or word.parameter.bico:
-            self._problem(f"{word.label} is a source, not a word with bits", place, "write it as a whole: r722.2")
+            message = f"{word.label} is a source{word.parameter.doubt('bico')}, not a word with bits"
+            self._problem(message, place, "write it as a whole: r722.2")
         elif fmt.kind not in {FormatKind.SIGNED, FormatKind.UNSIGNED} or fmt.size > _LONGEST:
             index = f"write {word.label}[{number}] for an index" if word.first is None else "write it as a whole"
-            self._problem(f"{word.label} is {fmt.name}, which has no bits", place, index)
+            self._problem(f"{word.label} is {word.type_text}, which has no bits", place, index)
         elif number > top:
-            self._problem(f"{word.label} is {fmt.name}: its bits are 0..{top}, not {number}", place, "")
+            self._problem(f"{word.label} is {word.type_text}: its bits are 0..{top}, not {number}", place, "")
         else:
             return True
         return False
@@ -123,7 +124,7 @@ def shown_bit(word: Use, number: int, item: ReadItem, path: SpecPath, resolver: 
     indexes = word.parameter.array or word.parameter.doubted.get("array")
     if word.first is None and isinstance(indexes, int):
         help_ = f"write {word.label}[{number}] for an index, {word.label}[0].{number} for a bit"
-        message = f"{word.label} has {indexes} indexes: a bit belongs to one of them"
+        message = f"{word.label} has {indexes} indexes{word.parameter.doubt('array')}: a bit belongs to one of them"
         resolver.problem("PG259", message, (*path, "parameter"), help_)
         return None
     if not BitResolver(resolver).fits(word, number, path):

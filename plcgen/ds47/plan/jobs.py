@@ -266,7 +266,8 @@ def _units(packed: list[tuple[Part, ...]], other: list[tuple[Part, ...]]) -> str
     for one, its in zip(chain.from_iterable(packed), chain.from_iterable(other), strict=True):
         here, there = one.use.parameter.unit, its.use.parameter.unit
         if here and there and here.lower() != there.lower():
-            return f"{one.use.label} is in {here} and in {there}"
+            doubts = [part.use.parameter.doubt("unit") for part in (one, its)]
+            return f"{one.use.label} is in {here}{doubts[0]} and in {there}{doubts[1]}"
     return ""
 
 

@@ -64,7 +64,7 @@ def _state(name: str, path: SpecPath, resolver: UseResolver) -> Use | None:
         found = resolver.resolve(item, 0, place, write=False)
         if found is None or (found.format.kind is FormatKind.UNSIGNED and found.format.size > 1):
             return None if found is None else replace(found, role=Running())
-        problem = f"is {known.type}: the bits that say whether the drive runs are in a word"
+        problem = f"is {known.type}{known.doubt('type')}: the bits that say whether the drive runs are in a word"
     else:
         problem = "has not been looked up: it is not known whether it shows that the drive runs"
     help_ = f"look it up in the list manual and define it in the drive: parameters: {{r{STATE}: {{type: Unsigned16}}}}"

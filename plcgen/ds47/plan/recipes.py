@@ -45,7 +45,7 @@ class Recipes:
         where = self._numbering.where
         for use in uses:
             if use.format.is_string or element_type(use.format, where) is None:
-                message = f"{use.label} is {use.format.name}: a recipe takes only numbers of a type that this CPU has"
+                message = f"{use.label} is {use.type_text}: a recipe takes only numbers of a type that this CPU has"
                 resolver.problem("PG255", message, (*use.path, "parameter"), "read or write it in a separate job")
             else:
                 yield use

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from plcgen.ds47.device import Parameter, ParameterDef
+from plcgen.ds47.device import Fact, Parameter, ParameterDef
 
 _OWN = ("name", "title", "unit", "default")
 
@@ -17,7 +17,8 @@ _OWN = ("name", "title", "unit", "default")
 def merged(known: Parameter, own: Parameter) -> Parameter:
     """What the spec says, and of the catalogue what the spec does not speak of; who defines a type has looked it up."""
     texts = {key: getattr(own, key) for key in _OWN if getattr(own, key) not in {None, ""}}
-    stated = {fact for fact, limit in (("min", own.minimum), ("max", own.maximum)) if limit is not None}
+    ends: dict[Fact, float | None] = {"min": own.minimum, "max": own.maximum, "array": own.array}
+    stated = {fact for fact, value in ends.items() if value is not None}
     return replace(
         known,
         **texts,
@@ -31,7 +32,7 @@ def merged(known: Parameter, own: Parameter) -> Parameter:
         values={**known.values, **own.values},
         scale=own.scale or known.scale,
         observed=known.observed if own.type == known.type else None,
-        grades={**known.grades, "type": "read"},
+        grades={**known.grades, **dict.fromkeys(stated, "read"), "type": "read", "access": "read"},
         doubted={fact: value for fact, value in known.doubted.items() if fact not in stated},
     )
 

@@ -66,17 +66,17 @@ def _why_not(use: Use, awaited: Wait, wanted: object, loaded: LoadedSpec) -> tup
         return "it has several values", "wait for one index of it"
     if awaited.bit is not None:
         if fmt.kind in _NO_BITS:
-            return f"a {fmt.name} has no bits", "compare its value"
+            return f"a {use.type_text} has no bits", "compare its value"
         if awaited.bit >= 8 * fmt.size:
-            return f"a {fmt.name} has the bits 0 to {8 * fmt.size - 1}, not {awaited.bit}", ""
+            return f"a {use.type_text} has the bits 0 to {8 * fmt.size - 1}, not {awaited.bit}", ""
         if awaited.operator not in {"=", "<>"} or wanted not in {0, 1}:
             return "a bit is 0 or 1", f"write {use.label}.{awaited.bit}: 1"
     elif awaited.operator in {"<", ">"} and wanted == (integer_range(fmt) or ("", ""))[awaited.operator == ">"]:
-        return f"a {fmt.name} is never {awaited.operator} {wanted}", ""
+        return f"a {use.type_text} is never {awaited.operator} {wanted}", ""
     elif fmt.kind in {FormatKind.BOOLEAN, FormatKind.OPAQUE} and awaited.operator not in {"=", "<>"}:
-        return f"a {fmt.name} is not greater or less than another", "compare with = or <>"
+        return f"a {use.type_text} is not greater or less than another", "compare with = or <>"
     elif fmt.kind is FormatKind.FLOAT and fmt.size == 8 and loaded.spec.plc.family in {"s7-300", "s7-400"}:
-        return f"this CPU has no type for {fmt.name}", "wait for another parameter"
+        return f"this CPU has no type for {use.type_text}", "wait for another parameter"
     return None
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from typing import Any
@@ -11,7 +11,7 @@ from plcgen.base.diagnostics import Diagnostic, Report, Severity
 from plcgen.base.diagnostics.counting import shortlist
 from plcgen.base.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.ds47 import guards
-from plcgen.ds47.device import UNKNOWN, Fact, Parameter, counts, limit_text
+from plcgen.ds47.device import UNKNOWN, Fact, Grade, Parameter, counts, limit_text
 from plcgen.ds47.kind import ReadItem, WriteItem
 from plcgen.ds47.plan import untyped
 from plcgen.ds47.plan.access import Compare, Read, Use, Write
@@ -29,6 +29,8 @@ HIGHEST_BOUND = 32_767
 """Bounds of arrays are INT; a range is an array with the drive's own indexes, and a pad element behind it."""
 
 
+_LOOKED_UP: Mapping[Fact, Grade] = {"type": "read", "access": "read", "bico": "read"}
+_OF_SIBLINGS: tuple[Fact, ...] = ("type", "title", "unit", "access", "bico")
 _NAMED = 3
 """Devices that are named as sources of a type."""
 
@@ -105,15 +107,17 @@ class UseResolver:
         if settled is None or not self._index_fits(reference, parameter, place):
             return None
         fmt, octets = settled
+        doubt = parameter.doubt("type")
+        as_ = f" as {parameter.type}{doubt}" if doubt else ""
         values = 1 if reference.first is None or reference.last is None else reference.last - reference.first + 1
         if octets and reference.last:
-            message = f"{item.parameter}: the elements of a string are its octets, and a request has all of them"
+            message = f"{item.parameter}{as_}: the elements of a string are its octets, and a request has all of them"
             self.problem("PG206", message, place, "leave the index out")
             return None
         count = octets if fmt.is_string else values
         if count * fmt.size > MAX_TELEGRAMS * self.device.record_limit:
             help_ = "use fewer indexes, or several jobs"
-            self.problem("PG307", f"{item.parameter} needs more than {MAX_TELEGRAMS} telegrams", place, help_)
+            self.problem("PG307", f"{item.parameter} needs more than {MAX_TELEGRAMS} telegrams{as_}", place, help_)
             return None
         if values > 1 and (reference.last or 0) >= HIGHEST_BOUND:
             help_ = f"ask for the indexes from {HIGHEST_BOUND} on one by one"
@@ -178,10 +182,11 @@ class UseResolver:
         if given is not None and given.lower() != known.type.lower():
             if reference.pnu not in self.known and not known.read("type"):
                 # of the list of another drive: who writes a type has looked it up
-                return replace(known, type=given, access="r" if known.pnu in guards.READ_ONLY else "rw", bico=False)
+                access, grades = "r" if known.pnu in guards.READ_ONLY else "rw", {**known.grades, **_LOOKED_UP}
+                return replace(known, type=given, access=access, bico=False, grades=grades)
             self.problem(
                 "PG212",
-                f"{known.label} is {known.type} in the catalogue, not {given}",
+                f"{known.label} is {known.type} in the catalogue{known.doubt('type')}, not {given}",
                 (*path, "type"),
                 f"remove the type, or define the parameter under drives.*.parameters if {self.device.key} differs",
             )
@@ -208,7 +213,7 @@ class UseResolver:
             return replace(
                 known, type=type_, title=known.title or rows[0].title, unit=known.unit or rows[0].unit, source=sources,
                 access="r" if read_only else access, bico=all(row.bico for row in rows), indexes=UNKNOWN,
-                grades={"type": "inferred", "title": "inferred", "unit": "inferred"},
+                grades=dict.fromkeys(_OF_SIBLINGS, "inferred"),
             )  # fmt: skip
         message = f"{written} is not in the catalogue of {self.device.key}: its data type is missing"
         if known.source:
@@ -237,7 +242,7 @@ class UseResolver:
     def _index_fits(self, reference: Reference, parameter: Parameter, place: SpecPath) -> bool:
         if reference.first is None or reference.last is None:
             return True
-        label = parameter.label
+        label, doubted = parameter.label, parameter.doubted.get("array")
         if reference.last < reference.first:
             self.problem("PG206", f"{label}[{reference.first}..{reference.last}]: the range runs backwards", place)
         elif reference.last > 0xFFFE:
@@ -252,6 +257,10 @@ class UseResolver:
         elif parameter.array is None and parameter.source and not parameter.indexes and reference.last > 0:
             self.problem("PG206", f"{label} has no index", place, "the drive would answer error 04h")
         else:
+            if parameter.array is None and isinstance(doubted, int) and reference.last >= doubted:
+                message = f"{label} has the indexes 0..{doubted - 1}{parameter.doubt('array')}, not {reference.last}"
+                help_ = f"look them up, and state their number in the drive: array: {reference.last + 1}"
+                self.problem("PG206", message, place, help_, Severity.WARNING)
             return True
         return False
 
@@ -259,7 +268,7 @@ class UseResolver:
         """Wire bytes of a constant or start value; None after a diagnostic."""
         values: Sequence[Any] = given if isinstance(given, tuple) else (given,)
         if fmt.is_string:
-            return self._pack_octets(values, fmt, count, path)
+            return self._pack_octets(values, parameter, fmt, count, path)
         if len(values) == 1 and count > 1 and not isinstance(given, tuple):
             one = self._pack_one(given, parameter, fmt, path)
             return None if one is None else one * count
@@ -295,7 +304,11 @@ class UseResolver:
                 help_ = _name_help(value, parameter) or _value_help(fmt)
                 if parameter.sink and parse_bico(value) is not None:
                     help_ = "the letter c is a fixed value here: how a source is written into it, no list says"
-                self.problem("PG211", f'"{value}" is not a value of type {fmt.name}', path, help_)
+                if value in parameter.doubted.get("values", {}):
+                    named = f"{parameter.doubted['values'][value]}{parameter.doubt('values')}"
+                    help_ = f"{value} is {named}: write the number, or define its name in the drive: values"
+                text = f"{fmt.name}{parameter.doubt('type')}"
+                self.problem("PG211", f'"{value}" is not a value of type {text}', path, help_)
                 return None
             value = value if bico is None else bico
         try:
@@ -307,7 +320,7 @@ class UseResolver:
             help_ = (
                 "write a value that this type holds; the type is that of the catalogue, or of parameters: in the drive"
             )
-            self.problem("PG208", f"{parameter.label}: {problem}{counted}", path, help_)
+            self.problem("PG208", f"{parameter.label}: {problem}{counted}{parameter.doubt('type')}", path, help_)
             return None
         return packed if self._within(value, parameter, path) else None
 
@@ -321,8 +334,7 @@ class UseResolver:
             unit = f" {parameter.unit.removeprefix(f'{of:g} ' if parameter.scale else '')}" if parameter.unit else ""
             ends_text = (limit_text(None if end is None else end * of) for end in (low, high))
             bounds = f"{'..'.join(ends_text)}{unit}"
-            grades = sorted({parameter.grades.get(end, "read") for end in _ENDS if end in parameter.doubted})
-            how = "" if sure else f" ({' and '.join(grades)}, not read in a manual)"
+            how = "" if sure else parameter.doubt(*(end for end in _ENDS if end in parameter.doubted))
             self.problem(
                 "PG209",
                 f"{parameter.label} = {value * of:g} is outside its limits {bounds}{how}",
@@ -335,22 +347,27 @@ class UseResolver:
             return not sure
         return True
 
-    def _pack_octets(self, values: Sequence[Any], fmt: Format, count: int, path: SpecPath) -> bytes | None:
+    def _pack_octets(
+        self, values: Sequence[Any], parameter: Parameter, fmt: Format, count: int, path: SpecPath
+    ) -> bytes | None:
+        doubt = parameter.doubt("type")
         value = values[0] if len(values) == 1 else None
         if not isinstance(value, str):
-            self.problem("PG211", f"{fmt.name} takes text", path, _value_help(fmt))
+            self.problem("PG211", f"{fmt.name}{doubt} takes text", path, _value_help(fmt))
             return None
         try:
             data = value.encode("ascii") if fmt.kind is FormatKind.TEXT else bytes.fromhex(value)
         except ValueError:
-            self.problem("PG211", f'"{value}" is not a value of type {fmt.name}', path, _value_help(fmt))
+            self.problem("PG211", f'"{value}" is not a value of type {fmt.name}{doubt}', path, _value_help(fmt))
             return None
         if len(data) > count:
-            self.problem("PG208", f"{len(data)} octets do not fit {fmt.name}[{count}]", path, f"write {count} or fewer")
+            self.problem(
+                "PG208", f"{len(data)} octets do not fit {fmt.name}[{count}]{doubt}", path, f"write {count} or fewer"
+            )
             return None
         if len(data) < count and fmt.kind is FormatKind.OCTETS:
             help_ = "write all of them, two hexadecimal digits for each"
-            self.problem("PG208", f"{fmt.name}[{count}] takes {count} octets, not {len(data)}", path, help_)
+            self.problem("PG208", f"{fmt.name}[{count}] takes {count} octets{doubt}, not {len(data)}", path, help_)
             return None
         return data.ljust(count)
 

@@ -93,7 +93,7 @@ def _missing(plan: DrivePlan, job: DriveJob, needed: _Needed, *, sure: bool) -> 
     shown = f" ({needed.drive.key})" if needed.drive is not None else ""
     where = f"drive object {needed.drive_object}{shown} {has} no {name} ({known.title})"
     source = f", from which {needed.of} is to take its signal" if needed.of else ""
-    message = f"{where}{source}: lists name it for {spoken(known.objects)}"
+    message = f"{where}{source}: lists name it for {spoken(known.objects)}{known.doubt('objects')}"
     return Diagnostic("PG262", message, needed.span, severity, help="; ".join(_helps(plan, job, needed)))
 
 

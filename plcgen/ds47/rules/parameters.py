@@ -32,16 +32,17 @@ def access(plan: DrivePlan) -> Iterator[Diagnostic]:
 
 def _no_access(plan: DrivePlan, job: DriveJob, use: Use) -> tuple[str, str] | None:
     """What is wrong, and what helps."""
+    doubt = use.parameter.doubt("access")
     if use.writes and use.parameter.access == "r":
         help_ = "the drive would answer error 01h: remove it from write, or read it in another job"
-        return "can only be read", help_
+        return f"can only be read{doubt}", help_
     if use.writes and not use.parameter.source and use.item.parameter.strip()[:1] in {"r", "R"}:
         if use.parameter.pnu in plan.own_numbers(job.drive):
             return None
         what = "is written with r, which marks a read-only parameter"
         return what, f"write P{use.parameter.pnu} if the drive accepts values for it"
     if not use.writes and use.parameter.access == "w" and not isinstance(use.role, Verify | Remember):
-        return "can only be written", f"remove it from {job.kind}"
+        return f"can only be written{doubt}", f"remove it from {job.kind}"
     return None
 
 
@@ -173,7 +174,7 @@ def only_bytes(plan: DrivePlan) -> Iterator[Diagnostic]:
                 help_ = "an S7-1500 has a type for it; on this CPU, decode the bytes in your own program"
             yield Diagnostic(
                 "PG220",
-                f"{use.label} is {use.format.name}: an {family} holds it only as {size} bytes",
+                f"{use.label} is {use.type_text}: an {family} holds it only as {size} bytes",
                 parameter_span(plan, use),
                 Severity.WARNING,
                 help=help_,

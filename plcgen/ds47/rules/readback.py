@@ -30,7 +30,7 @@ def readable(plan: DrivePlan) -> Iterator[Diagnostic]:
 
 def _why_not(parameter: Parameter) -> str:
     if parameter.access == "w":
-        return "it can only be written"
+        return f"it can only be written{parameter.doubt('access')}"
     why = next((kind.runs_on[parameter.pnu] for kind in kinds() if parameter.pnu in kind.runs_on), "")
     if why:
         return why
