@@ -67,7 +67,7 @@ def told(folder: Path, grade: str, job: str) -> list[tuple[str, str, str]]:
     )
     spec = folder / "job.yaml"
     spec.write_text(
-        f"plc: {{name: a, family: s7-300, toolchain: tia-v16}}\n"
+        "plc: {name: a, family: s7-300, toolchain: tia-v16}\n"
         "drives: {d: {device: ./acme.yaml, address: 256}}\n"
         + ("recipes: {r: {parameters: [P11], records: 2}}\n" if "recipe" in job else "")
         + f"jobs: {{j: {{drive: d, {job}}}}}\n",
