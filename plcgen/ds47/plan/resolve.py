@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from plcgen.base.diagnostics import Diagnostic, Note, Report
+from plcgen.base.diagnostics import Diagnostic, Note, Report, Severity
 from plcgen.base.diagnostics.counting import shortlist
 from plcgen.base.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.ds47 import guards
@@ -185,4 +185,10 @@ def _own_parameters(
             narrow = "" if key == "unit" else ", or narrow it"
             help_ = f"remove {key}{narrow}; a device that differs gets a profile of its own (docs/devices.md)"
             report.add(Diagnostic("PG229", message, loaded.span((*path, key)), help=help_))
+        inferred = known is not None and known.pnu in device.parameters and known.grades.get("type") == "inferred"
+        if known is not None and inferred and found.type.lower() != known.type.lower():
+            message = f"{found.label} is {known.type} in the catalogue (inferred), not {definition.type}: {known.source}"
+            help_ = "remove the definition if its type is a guess; if your list manual has it, say so in this line: "
+            help_ += "# plcgen: allow PG212 list manual p. .."
+            report.add(Diagnostic("PG212", message, loaded.span((*path, "type")), Severity.WARNING, help=help_))
     return own

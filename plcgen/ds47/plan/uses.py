@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
+from math import inf
 from typing import Any
 
 from plcgen.base.diagnostics import Diagnostic, Report, Severity
 from plcgen.base.diagnostics.counting import shortlist
 from plcgen.base.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.ds47 import guards
-from plcgen.ds47.device import UNKNOWN, Fact, Grade, Parameter, counts, limit_text
+from plcgen.ds47.device import UNKNOWN, Device, Fact, Grade, Parameter, counts, limit_text
 from plcgen.ds47.kind import ReadItem, WriteItem
 from plcgen.ds47.plan import untyped
 from plcgen.ds47.plan.access import Compare, Read, Use, Write
@@ -31,6 +33,8 @@ HIGHEST_BOUND = 32_767
 
 _LOOKED_UP: Mapping[Fact, Grade] = {"type": "read", "access": "read", "bico": "read"}
 _OF_SIBLINGS: tuple[Fact, ...] = ("type", "title", "unit", "access", "bico")
+_LONGEST_VALUE = 40
+"""Characters of a value that a help repeats."""
 _NAMED = 3
 """Devices that are named as sources of a type."""
 
@@ -184,6 +188,8 @@ class UseResolver:
                 # of the list of another drive: who writes a type has looked it up
                 access, grades = "r" if known.pnu in guards.READ_ONLY else "rw", {**known.grades, **_LOOKED_UP}
                 return replace(known, type=given, access=access, bico=False, grades=grades)
+            if self._format(replace(known, type=given), path) is None:  # a type of the PLC, or a slip of the pen
+                return None
             self.problem(
                 "PG212",
                 f"{known.label} is {known.type} in the catalogue{known.doubt('type')}, not {given}",
@@ -220,12 +226,15 @@ class UseResolver:
             message = f"{written} ({known.title}) is in the catalogue without its data type: {known.source}"
         for type_, rows in said.items():
             message += f"; {type_} in {rows[0].source}"
-        own = "type: .."
+        own = short = "type: .."
         if isinstance(item, WriteItem) and isinstance(item.value, str) and parse_bico(item.value) is not None:
             own = "type: Unsigned32, bico: true"  # whatever its number: the value is a source
+            short = "type: Unsigned32"
         define = f"parameters: {{{written}: {{{own}}}}}"
-        short = own.partition(",")[0]
-        help_ = f"look it up in the list manual and give its type: {{{short}}}; or define it in the drive: {define}"
+        given = f"{{parameter: {item.parameter}, {short}}}"
+        if isinstance(item, WriteItem):
+            given = f"{item.parameter}: {{{short}{_as_written(item)}}}"
+        help_ = f"look it up in the list manual and give its type: {given}; or define it in the drive: {define}"
         self.problem("PG204", message, place, help_)
         return None
 
@@ -242,25 +251,23 @@ class UseResolver:
     def _index_fits(self, reference: Reference, parameter: Parameter, place: SpecPath) -> bool:
         if reference.first is None or reference.last is None:
             return True
-        label, doubted = parameter.label, parameter.doubted.get("array")
+        label, count, doubt = parameter.label, *_index_count(self.device, parameter)
         if reference.last < reference.first:
             self.problem("PG206", f"{label}[{reference.first}..{reference.last}]: the range runs backwards", place)
         elif reference.last > 0xFFFE:
             self.problem("PG206", f"{label}: subindex {reference.last} is outside 0..65534", place)
-        elif parameter.array is not None and reference.last >= parameter.array:
-            self.problem(
-                "PG206",
-                f"{label} has the indexes 0..{parameter.array - 1}, not {reference.last}",
-                place,
-                "the drive would answer error 03h",
-            )
-        elif parameter.array is None and parameter.source and not parameter.indexes and reference.last > 0:
-            self.problem("PG206", f"{label} has no index", place, "the drive would answer error 04h")
+        elif reference.last < count or (doubt and parameter.pnu in self.own):
+            return True
         else:
-            if parameter.array is None and isinstance(doubted, int) and reference.last >= doubted:
-                message = f"{label} has the indexes 0..{doubted - 1}{parameter.doubt('array')}, not {reference.last}"
-                help_ = f"look them up, and state their number in the drive: array: {reference.last + 1}"
-                self.problem("PG206", message, place, help_, Severity.WARNING)
+            many = count > 1 or parameter.array is not None
+            has = f"has the indexes 0..{count - 1}{doubt}, not {reference.last}" if many else f"has no index{doubt}"
+            help_ = f"the drive would answer error {'03h' if many else '04h'}"
+            if not doubt:
+                self.problem("PG206", f"{label} {has}", place, help_)
+                return False
+            own = f"parameters: {{{label}: {{type: {parameter.type}, array: {reference.last + 1}}}}}"
+            help_ += f" then; if the list manual names this index, state the number in the drive: {own}"
+            self.problem("PG206", f"{label} {has}", place, help_, Severity.WARNING)
             return True
         return False
 
@@ -311,6 +318,12 @@ class UseResolver:
                 self.problem("PG211", f'"{value}" is not a value of type {text}', path, help_)
                 return None
             value = value if bico is None else bico
+        elif parameter.bico and isinstance(value, int | float) and 1 < value < 0x10000:  # its upper word is a number
+            meant = f"r{value}" if isinstance(value, float) else f"r{value}.0"
+            message = f"{value} names no parameter as the source of {parameter.label}{parameter.doubt('bico')}"
+            help_ = f"write {meant if parse_bico(meant) else 'r722.2'}: the letter, and the bit or index"
+            self.problem("PG211", message, path, help_)
+            return None
         try:
             if fmt.kind is FormatKind.OPAQUE:
                 value = _octets(value, fmt.size)
@@ -339,9 +352,7 @@ class UseResolver:
                 "PG209",
                 f"{parameter.label} = {value * of:g} is outside its limits {bounds}{how}",
                 path,
-                "the drive would answer error 02h"
-                if sure
-                else "look the limits up, and state them in the drive: min, max",
+                "the drive would answer error 02h" if sure else _limits_help(value * of, parameter),
                 Severity.ERROR if sure else Severity.WARNING,
             )
             return not sure
@@ -380,6 +391,22 @@ def _role(item: ReadItem | WriteItem, *, constant: bool, write: bool) -> Read | 
 
 
 _ENDS: tuple[Fact, ...] = ("min", "max")
+_DATA_SETS = {"MDS": 130, "EDS": 140, "CDS": 170, "DDS": 180}
+"""The parameters that hold how many data sets a drive object has (list of VECTOR)."""
+
+
+def _index_count(device: Device, parameter: Parameter) -> tuple[float, str]:
+    """How many indexes a parameter has at most, and how that is known; infinite if nobody knows.
+
+    An array of data sets has no more than the parameter that holds their number allows.
+    """
+    of = parameter.array or parameter.doubted.get("array") or parameter.indexes
+    if isinstance(of, int):
+        return of, "" if parameter.array else parameter.doubt("array")
+    if of in _DATA_SETS and (sets := device.find(_DATA_SETS[of])) is not None:
+        most = sets.doubted.get("max", inf) if sets.maximum is None else sets.maximum
+        return most, parameter.doubt("array") or sets.doubt("max")
+    return (1 if parameter.source and of in {"", UNKNOWN} else inf), parameter.doubt("array")
 
 
 def _beyond(value: float, low: float | None, high: float | None) -> bool:
@@ -391,6 +418,21 @@ def _names_sources(given: Any, parameter: Parameter, fmt: Format) -> bool:
     values = given if isinstance(given, tuple) else (given,)
     named = any(isinstance(value, str) and value not in parameter.values for value in values)
     return fmt.name == "Unsigned32" and (parameter.bico or named)
+
+
+def _as_written(item: WriteItem) -> str:
+    """The value or start value of an item, as its long form has it; empty if it has none."""
+    texts = {key: json.dumps(value) for key in ("value", "start") if (value := getattr(item, key)) is not None}
+    return "".join(f", {key}: {text if len(text) <= _LONGEST_VALUE else '..'}" for key, text in texts.items())
+
+
+def _limits_help(value: float, parameter: Parameter) -> str:
+    """The definition that lets a value pass whose limits nobody has read."""
+    of, widest = parameter.scale or 1.0, {"min": min, "max": max}
+    known = {end: widest[end](parameter.doubted[end] * of, value) for end in _ENDS if end in parameter.doubted}
+    ends = ", ".join(f"{end}: {limit:.12g}" for end, limit in known.items())
+    definition = f"parameters: {{{parameter.label}: {{type: {parameter.type}, {ends}}}}}"
+    return f"look the limits up; if the value is within them, state them in the drive: {definition}"
 
 
 def _octets(value: Any, size: int) -> bytes:

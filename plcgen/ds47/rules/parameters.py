@@ -157,7 +157,8 @@ def unclassified(plan: DrivePlan) -> Iterator[Diagnostic]:
 
 
 def _unclassified(plan: DrivePlan, job: DriveJob, use: Use) -> bool:
-    return plan.unclassified(job, use) and plan.sign_off(job, use.parameter.pnu) is None
+    read_only = _no_access(plan, job, use) is not None  # which has its own message
+    return not read_only and plan.unclassified(job, use) and plan.sign_off(job, use.parameter.pnu) is None
 
 
 def only_bytes(plan: DrivePlan) -> Iterator[Diagnostic]:
@@ -194,7 +195,8 @@ def unknown_types(plan: DrivePlan) -> Iterator[Diagnostic]:
                 f"{what} {how}: nobody has looked it up",
                 parameter_span(plan, use),
                 Severity.WARNING,
-                help=f"look it up, then define it in the drive: parameters: {{{use.parameter.label}: {{type: ..}}}}",
+                help=f"look it up, then define it in the drive: "
+                f"parameters: {{{use.parameter.label}: {{type: {use.parameter.type}}}}}",
             )
 
 
@@ -225,7 +227,8 @@ def untyped(plan: DrivePlan) -> Iterator[Diagnostic]:
                 f"nobody knows the type of {use.label} of {device.key}: the answer tells it, in {shown}",
                 parameter_span(plan, use),
                 Severity.NOTE,
-                help=f"a type gives one output instead: {{type: ..}}{f' ({others})' if others else ''}",
+                help=f"a type gives one output instead: {{parameter: {use.item.parameter}, type: ..}}"
+                f"{f' ({others})' if others else ''}",
             )
 
 
