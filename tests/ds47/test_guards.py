@@ -111,7 +111,8 @@ def test_a_neighbouring_number_is_never_offered(number, tmp_path):
     told = [d for d in api.check(write(tmp_path, case)).diagnostics if d.code == "PG204"]
     written = {"p1119": "P1119", "R946": "r946"}.get(number, number)
     define = f"or define it in the drive: parameters: {{{written}: {{type: ..}}}}"
-    assert [d.help for d in told] == [f"look it up in the list manual and give its type: {{type: ..}}; {define}"]
+    given = f"look it up in the list manual and give its type: {number}: {{type: ..}}"
+    assert [d.help for d in told] == [f"{given}; {define}"]
 
 
 def test_a_similar_name_is_offered(tmp_path):

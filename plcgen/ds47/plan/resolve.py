@@ -187,7 +187,9 @@ def _own_parameters(
             report.add(Diagnostic("PG229", message, loaded.span((*path, key)), help=help_))
         inferred = known is not None and known.pnu in device.parameters and known.grades.get("type") == "inferred"
         if known is not None and inferred and found.type.lower() != known.type.lower():
-            message = f"{found.label} is {known.type} in the catalogue (inferred), not {definition.type}: {known.source}"
+            message = (
+                f"{found.label} is {known.type} in the catalogue (inferred), not {definition.type}: {known.source}"
+            )
             help_ = "remove the definition if its type is a guess; if your list manual has it, say so in this line: "
             help_ += "# plcgen: allow PG212 list manual p. .."
             report.add(Diagnostic("PG212", message, loaded.span((*path, "type")), Severity.WARNING, help=help_))
