@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
@@ -82,6 +83,12 @@ class PpiStation(StrictModel):
 
 class MasterJob(StrictModel):
     """One job: read or write some addresses of one station, or switch it to RUN or STOP."""
+
+    FOREIGN = MappingProxyType(
+        dict.fromkeys(
+            ("every", "interval", "period", "repeat", "poll"), "cycle: 1s repeats the job while execute is TRUE"
+        )
+    )
 
     station: Name = Field(description="key of a station of this master")
     read: Annotated[tuple[Annotated[PpiReadItem, short_item("item")], ...], ONE_OR_MORE] | None = Field(

@@ -110,3 +110,16 @@ def test_whoever_defines_a_parameter_has_looked_it_up(tmp_path: Path, grade: str
     spec.write_text(text, "utf-8")
     (message,) = [d.message for d in api.check(spec).diagnostics if d.code == "PG209"]
     assert message == "P10 = 10 is outside its limits ..9"
+
+
+@pytest.mark.parametrize("device", ["sinamics-g120", "sinamics-v90"])
+def test_what_cannot_be_written_is_told_once(tmp_path: Path, device: str) -> None:
+    """Nobody is asked to classify a write that is refused anyway."""
+    spec = tmp_path / "job.yaml"
+    spec.write_text(
+        "plc: {name: a, family: s7-300, toolchain: tia-v16}\n"
+        f"drives: {{d: {{device: {device}, address: 256}}}}\n"
+        "jobs: {j: {drive: d, write: {r722: 1}}}\n",
+        "utf-8",
+    )
+    assert [d.code for d in api.check(spec).diagnostics if d.code in {"PG207", "PG261"}] == ["PG207"]

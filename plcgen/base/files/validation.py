@@ -341,6 +341,8 @@ class _Teller:
             hint = did_you_mean(str(node.value), options)
             others = dict.fromkeys(_EXPECTED[e["type"]] for e in group if e["type"] in _EXPECTED)
             help_ = f"{hint} allowed: {', '.join((*options, *others))}".strip()
+            if others and (meaning := self.meaning(path)):
+                help_ += f"; {meaning}"
             shown = f'"{node.raw}"' if node.kind == "scalar" else _shown(node)
             return Diagnostic("PG107", f'{shown} is not a value of "{self.key(path)}"', node.span, help=help_)
         code = "PG107" if error["type"].startswith(_RANGE_ERRORS) else "PG106"

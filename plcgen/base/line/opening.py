@@ -37,9 +37,11 @@ def open_line(name: str, rate: int = 9600) -> Line:
         what = "a serial server has another port" if scheme == SCHEME else f'unknown kind of line "{scheme}"'
         raise LineError(CANNOT_OPEN, name, what, _hint(name, scheme))
     if not scheme and _ENDPOINT.fullmatch(name) and not os.path.lexists(name):
-        raise LineError(
-            CANNOT_OPEN, name, "a port has no colon and no number after it", f'did you mean "{SCHEME}{name}"?'
-        )
+        host, _, _ = name.partition(":")
+        serial = re.fullmatch(r"(?i)com[0-9]+|tty.*", host) is not None
+        help_ = _hint(name, "") if name.endswith(":102") else f'did you mean "{SCHEME}{name}"?'
+        help_ = f"write {host}: the speed is an option of its own" if serial else help_
+        raise LineError(CANNOT_OPEN, name, "a port has no colon and no number after it", help_)
     from plcgen.base.line.serial import SerialLine
 
     return SerialLine(name, rate)

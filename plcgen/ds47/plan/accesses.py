@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from plcgen.base.diagnostics import Diagnostic, Report
+from plcgen.ds47.device import Device
 from plcgen.ds47.kind import Items, JobKind, Messages, ReadItem, WriteItem
 from plcgen.ds47.plan.access import Column, Compare, Read, Recount, Role, Use, Write
 from plcgen.ds47.plan.bits import BitResolver, has_bits, in_front, shown_bit
@@ -28,7 +29,11 @@ _LARGEST = 4
 """Bytes of a value that a list of deviations has room for."""
 
 
-def job_kind(job: JobEntry, key: str, loaded: LoadedSpec, report: Report) -> JobKind | None:
+_OF_DC = 50303
+"""The parameter of the examples, which converters for direct current have; others have p1120."""
+
+
+def job_kind(job: JobEntry, key: str, device: Device, loaded: LoadedSpec, report: Report) -> JobKind | None:
     """The one kind that a job says it is; None after a diagnostic. What is read back may be saved in the same job."""
     given = [kind for kind in kinds() if getattr(job, kind.key) is not None]
     if len(given) == 1:
@@ -43,7 +48,14 @@ def job_kind(job: JobEntry, key: str, loaded: LoadedSpec, report: Report) -> Job
         return None
     names = " or ".join(kind.key for kind in given)
     what = f"either {names}, not both" if given else "what to read, what to write or what to save"
-    help_ = "split it into two jobs" if given else f"add {' or '.join(kind.example for kind in kinds())}"
+    empty = [kind for kind in kinds() if kind.key in loaded.root.find(("jobs", key)).pairs]
+    known = device.find(_OF_DC) is not None
+    examples = " or ".join(kind.example for kind in empty or kinds())
+    help_ = f"add {examples if known else examples.replace(f'P{_OF_DC}', 'P1120')}"
+    if given:
+        help_ = "split it into two jobs"
+    elif empty:
+        what = f"a value of {empty[0].key}"
     report.add(Diagnostic("PG218", f'job "{key}" needs {what}', loaded.key_span(("jobs", key)), help=help_))
     return None
 

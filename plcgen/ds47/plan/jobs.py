@@ -69,7 +69,7 @@ class DriveJobPlanner:
     def job(self, key: str, drives: tuple[PlannedDrive, ...]) -> tuple[DriveJob, ...]:
         """One job of the spec on its drives; none if it has no usable parameter."""
         job, path, first = self.loaded.sections(DriveSections).jobs[key], ("jobs", key), drives[0]
-        kind = job_kind(job, key, self.loaded, self.report)
+        kind = job_kind(job, key, drives[0].device, self.loaded, self.report)
         resolver = self.resolvers[first.key]
         accesses = Accesses(job, path, self.loaded, self.recipes, resolver, self.report)
         uses = accesses.uses(kind) if kind is not None else ()

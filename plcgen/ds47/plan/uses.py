@@ -15,6 +15,7 @@ from plcgen.base.diagnostics.suggest import Vocabulary, did_you_mean
 from plcgen.ds47 import guards
 from plcgen.ds47.device import UNKNOWN, Device, Fact, Grade, Parameter, counts, limit_text
 from plcgen.ds47.kind import ReadItem, WriteItem
+from plcgen.ds47.objects import singular
 from plcgen.ds47.plan import untyped
 from plcgen.ds47.plan.access import Compare, Read, Use, Write
 from plcgen.ds47.plan.nouns import PlannedDrive
@@ -85,7 +86,8 @@ class UseResolver:
         gone = [name for name, sources in absent.items() if sources and number_of(name) not in self.own]
         if gone:
             sources = dict.fromkeys(source for name in gone for source in absent[name])
-            message = f"{self.device.title} has no {', '.join(gone)}: {'; '.join(sources)}"
+            of = f" as {singular(self.object_type)}" if self.object_type else ""
+            message = f"{self.device.title}{of} has no {', '.join(gone)}: {'; '.join(sources)}"
             search = f"plcgen catalogue show WORD --device {self.device.key} searches"
             self.problem("PG262", message, path, help_ or f"the drive would answer error 00h: {search}")
         return bool(gone)

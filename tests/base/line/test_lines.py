@@ -207,3 +207,20 @@ def test_addresses(text: str, expected: tuple[str, int]) -> None:
 @pytest.mark.parametrize("text", ["", "4000", "host", "host:", "host:99999", "host:-1", "::1:7x", "::1:7", "a:١"])
 def test_addresses_that_are_none(text: str) -> None:
     assert code_of(lambda: parse_endpoint(text)) == "PG720"
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("10.0.0.5:4001", '"socket://10.0.0.5:4001"'),
+        ("10.0.0.5:102", '"s7://10.0.0.5"'),
+        ("COM3:9600", "write COM3: the speed"),
+        ("ttyS0:19200", "write ttyS0: the speed"),
+    ],
+)
+def test_a_number_after_a_colon(name: str, meant: str) -> None:
+    """A host without a scheme is a serial server, at port 102 a PLC; the name of a port has no speed in it."""
+    with pytest.raises(LineError) as caught:
+        open_line(name)
+    (told,) = caught.value.diagnostics
+    assert (told.code, meant in told.help) == ("PG720", True)
