@@ -138,6 +138,7 @@ def test_a_number_is_asked_for(desk: Desk) -> None:
         ("cycle", {"job": "jobs/ramps", "cycle": "500ms"}, "    write: {P1120: 5.0}  # s\n",
          "    write: {P1120: 5.0}  # s\n    cycle: 500ms\n"),
         ("cycle", {"job": "jobs/speed", "cycle": "10s"}, "cycle: 1s", "cycle: 10s"),
+        ("cycle", {"job": "jobs/speed", "cycle": ""}, ", cycle: 1s}", "}"),
         ("drive", {"key": "fan", "device": "sinamics-g120", "address": "16#110"},
          "hardware_id: 271}\n",
          "hardware_id: 271}\n  fan: {device: sinamics-g120, hardware_id: 16#110, drive_object: 1}\n"),
@@ -202,6 +203,32 @@ def test_an_added_column_has_its_value_in_every_record(desk: Desk) -> None:
         "{thin: {P1120: 1.0}, thick: {P1120: 2.0}}",
         "{thin: {P1120: 1.0, P1121: 4.0}, thick: {P1120: 2.0, P1121: 4.0}}",
     )
+
+
+def test_a_column_of_counted_records_begins_with_its_value(desk: Desk) -> None:
+    """Records that are counted have no values of their own: the one that was typed is the start value of the column."""
+    text = f"{PLANT}recipes:\n  glue: {GLUE}\n"
+    found = made(desk, text, "parameter", job="recipes/glue", parameter="P1121", value="4.0")
+    assert found == text.replace("[P1120]", "[P1120, {parameter: P1121, start: 4.0}]")
+    load = found.replace("write: {P1120: 5.0}", "write_recipe: glue")
+    assert errors(load, desk.folder) == []
+    block = made(
+        desk, text.replace("[P1120]", "P1120"), "parameter", job="recipes/glue", parameter="p2900[0]", value="1"
+    )
+    assert '[P1120, {parameter: "p2900[0]", start: 1}]' in block
+
+
+@pytest.mark.parametrize("kind", ["read", "compare", "save", "write", "alarms", "write_recipe"])
+def test_a_cycle_is_offered_where_check_takes_it(kind: str, desk: Desk) -> None:
+    """The form shows the cycle that a job has, and whether its kind may have one, as PG264 has it."""
+    text = made(desk, PLANT, "job", key="it", drive="axis", kind=kind, cycle="500ms")
+    document, _, _ = desk.open(text)
+    (job,) = [one for one in outline(desk.workspace.specs.state(document))["jobs"] if one["key"] == "it"]
+    assert job["cycle"] == "500ms"
+    assert job["repeats"] == (not any(one.startswith("PG264") for one in errors(text, desk.folder)))
+    without = made(desk, PLANT, "job", key="it", drive="axis", kind=kind)
+    assert made(desk, text, "cycle", job="jobs/it", cycle="") == without
+    assert made(desk, without, "cycle", job="jobs/it", cycle="") == without
 
 
 def test_a_job_of_several_drives(desk: Desk) -> None:

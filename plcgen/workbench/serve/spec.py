@@ -109,19 +109,28 @@ def _next_address(state: SpecState) -> str:
 
 
 def _entry(state: SpecState, path: Sequence[str | int]) -> dict[str, Any]:
-    """The keys to an entry, where its key stands (None in another file), and what a job reads, writes or compares."""
+    """The keys to an entry, where its key stands (None in another file); what a job does, with what, how often.
+
+    ``repeats`` is whether it may have a cycle.
+    """
     found = state.sketch.get(*path)
     parameters = [
         {"label": _label(state, one.path), "path": list(one.path)}
         for one in state.sketch.entries
         if len(one.path) == len(path) + 2 and one.path[:-2] == tuple(path) and one.path[-2] in _HOLD
     ]
-    does = [one.path[-1] for one in state.sketch.below(tuple(path)) if one.path[-1] in _KINDS]
-    where = None if found is None else place(state.document.lines, found.key)[:2]
-    return {"path": list(path), "place": where, "parameters": parameters, "does": does}
+    does = [str(one.path[-1]) for one in state.sketch.below(tuple(path)) if one.path[-1] in _KINDS]
+    return {
+        "path": list(path),
+        "place": None if found is None else place(state.document.lines, found.key)[:2],
+        "parameters": parameters,
+        "does": does,
+        "cycle": state.sketch.value(*path, "cycle"),
+        "repeats": path[0] == "ppi" or all(_KINDS[key].repeatable for key in does),
+    }
 
 
-_KINDS = frozenset(one.key for one in known_kinds())
+_KINDS = {one.key: one for one in known_kinds()}
 _DIGITS = 5
 _HOLD = ("read", "write", "compare")
 

@@ -10,13 +10,13 @@ export function specForm(desk) {
   const target = h("select", { id: "target" });
   const words = h("input", { id: "search", type: "search", placeholder: word("searchHint"), autocomplete: "off" });
   const partners = h("h3", {}, word("drives"));
-  const every = h("input", { id: "cycle", size: 6, placeholder: "1s", "aria-label": word("every") });
-  const cycle = h("form", { class: "one", onsubmit: (event) => { event.preventDefault(); change("cycle", { job: target.value, cycle: every.value.trim() || "1s" }); } },
+  const every = h("input", { id: "cycle", size: 8, placeholder: `${word("example")} 1s`, "aria-label": word("every") });
+  const cycle = h("form", { class: "one", onsubmit: (event) => { event.preventDefault(); change("cycle", { job: target.value, cycle: every.value.trim() }); } },
     h("span", { class: "quiet" }, `${word("onCycle")}, ${word("every")}`), every, h("button", { id: "set-cycle" }, word("set")));
   const value = h("input", { id: "record-value", size: 8 }), values = field(word("recordValue"), value);
   const has = h("div", { class: "chips", id: "has" });
   const catalogue = h("div", {}, h("h3", {}, word("catalogue")), field(word("addTo"), target), has, cycle, values, words, results);
-  let asking = new AbortController(), added = "";
+  let asking = new AbortController(), added = "", repeated = "";
 
   async function change(what, given, into = undefined) {
     const found = await attempt(() => ask("change", { ...desk.now, what, given }), into);
@@ -212,7 +212,8 @@ export function specForm(desk) {
   // What the job that is chosen has, each with a button to remove it.
   function held() {
     const job = desk.checked?.jobs.find((one) => one.path.join("/") === target.value);
-    cycle.hidden = !job || job.does.includes("write");
+    cycle.hidden = !job?.place || !(job.repeats || job.cycle);  // one that the rules refuse can be removed
+    if (repeated !== (repeated = `${target.value} ${job?.cycle}`)) every.value = job?.cycle ?? "";
     values.hidden = !target.value.startsWith("recipes/");
     words.placeholder = word(target.value.startsWith("ppi/") ? "itemHint" : "searchHint");
     fill(has, (job?.parameters ?? []).map((one) => h("span", { class: "chip" }, one.label, small(`${word("remove")}: ${one.label}`, "\u00d7", () => remove(one)))));

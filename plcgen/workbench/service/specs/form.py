@@ -42,9 +42,10 @@ def put_in(state: SpecState, what: str, given: Given) -> tuple[Edit, ...]:
     station as ``line/station``; cycle or trigger; parameter, or address of a station, in place of the one that is
     offered, with its type and unit where it is not known; recipe where the kind names one. ``parameter``: job as the
     keys to it with ``/`` between (``jobs/ramps``, ``recipes/material``, ``ppi/line/jobs/level``), parameter, access
-    (read, write), type, unit, and for a recipe the value that its records begin with. ``cycle``: job, cycle.
-    ``recipe``: key, drive, parameter. ``station``: line, key, address, cpu, and of a line that begins with it port and
-    parameter, which is the address that a job reads. ``remove``: path, as the keys to it with ``/`` between.
+    (read, write), type, unit, and for a recipe the value that its records begin with. ``cycle``: job, cycle; an empty
+    one is removed. ``recipe``: key, drive, parameter. ``station``: line, key, address, cpu, and of a line that begins
+    with it port and parameter, which is the address that a job reads. ``remove``: path, as the keys to it with ``/``
+    between.
 
     Raises:
         DiagnosticError: why that cannot be done.
@@ -169,9 +170,11 @@ def _parameter(state: SpecState, entries: Entries, given: Given) -> str:
         entries = _defined(state, entries, [one.key for one in drives_at(state, tuple(path))], given)
     if path[0] != "recipes":
         return add_parameter(entries, path, text, writes=given.get("access") == "write")
-    entries, value = entries.then(entries.append([*path, "parameters"], in_flow(text))), given.get("value", "").strip()
-    records = entries.at(*path, "records")
-    for record in records.pairs if records is not None else ():
+    value, records = given.get("value", "").strip(), entries.at(*path, "records")
+    counted = records is None or records.kind == "scalar"  # such records have nothing but the value of the column
+    column = f"{{parameter: {in_flow(text)}, start: {value}}}" if counted and value else in_flow(text)
+    entries = entries.then(entries.append([*path, "parameters"], column))
+    for record in () if records is None else records.pairs:
         if not value:
             raise refused(state.document.file, "every record needs a value", "type it above the search")
         entries = entries.then(entries.add([*path, "records", record], in_flow(text), value))
@@ -186,8 +189,11 @@ def _cycle(state: SpecState, given: Given) -> str:
 
 
 def _repeated(state: SpecState, entries: Entries, given: Given) -> str:
-    """The cycle of a job: put in, or another one."""
-    return entries.put(given.get("job", "").split("/"), "cycle", _cycle(state, given) or "1s")
+    """The cycle of a job: put in, another one, or none."""
+    job, cycle = given.get("job", "").split("/"), _cycle(state, given)
+    if cycle:
+        return entries.put(job, "cycle", cycle)
+    return entries.text if entries.at(*job, "cycle") is None else entries.drop([*job, "cycle"])
 
 
 def _recipe(state: SpecState, entries: Entries, given: Given) -> str:
