@@ -97,14 +97,17 @@ def separate_objects(plan: DrivePlan) -> Iterator[Diagnostic]:
         if len({drive.drive_object for drive in drives}) < 2 or len({drive.unit.key for drive in drives}) < 2:
             continue
         names = ", ".join(drive.key for drive in drives[:_SHOWN])
-        inner = ", ".join(f"{drive.key}: {{..}}" for drive in drives[:2])
         yield Diagnostic(
             "PG224",
             f"{names} are different drive objects of a {key}: a control unit takes one request at a time",
             plan.loaded.key_span(drives[1].path),
             Severity.WARNING,
-            help=f"units: {{cu1: {{device: {key}, drives: {{{inner}}}}}}}, with one drive in a unit that has no other",
+            help=f"{_one_unit(*drives[:2])}, with one drive in a unit that has no other",
         )
+
+
+def _one_unit(first: PlannedDrive, second: PlannedDrive) -> str:
+    return f"units: {{cu1: {{device: {first.device.key}, drives: {{{first.key}: {{..}}, {second.key}: {{..}}}}}}}}"
 
 
 def engine_places(plan: DrivePlan) -> Iterator[Diagnostic]:
@@ -152,11 +155,12 @@ def shared_address(plan: DrivePlan) -> Iterator[Diagnostic]:
         given = node_at(plan, (*drive.path, key))
         if earlier is drive or earlier.unit is not drive.unit or given is None:
             continue
+        axes = "" if drive.device.drive_objects is not None else f"; two axes of it: {_one_unit(earlier, drive)}"
         yield Diagnostic(
             "PG221",
             f'drives "{earlier.key}" and "{drive.key}" have the same {key} and the same drive object',
             given.span,
             Severity.WARNING,
-            help=f'use "{earlier.key}" for both, or correct the {key} or the drive_object',
+            help=f'use "{earlier.key}" for both, or correct the {key} or the drive_object{axes}',
             notes=(Note("first use", key_or_value(plan, (*earlier.path, key))),),
         )
