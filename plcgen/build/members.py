@@ -103,12 +103,12 @@ def buffer_member(
         comments=tuple(_translated(texts)),
         offset=field.offset,
         size=field.size,
-        address=_address(db, type_, field.offset),
+        address=absolute_address(db, type_, field.offset),
         watch=tuple(_watch(db, field, path, shown, modify)) if shown and db is not None else (),
     )
 
 
-def _address(db: BlockRef | None, type_: DataType, offset: int) -> str:
+def absolute_address(db: BlockRef | None, type_: DataType, offset: int) -> str:
     """Absolute address of a member, ``DB3.DBW6``; others by their first byte; none inside an instance."""
     if db is None:
         return ""
@@ -128,13 +128,13 @@ def _watch(
     name = f'"{db.name}".{path}{field.name}'
     if isinstance(type_, Elementary):
         value = modify(type_, field.data) if modify else ""
-        yield WatchRow(name, _address(db, type_, field.offset), shown(type_), value)
+        yield WatchRow(name, absolute_address(db, type_, field.offset), shown(type_), value)
     elif isinstance(type_, ArrayType) and isinstance(type_.element, Elementary):
         element, (low, high) = type_.element, type_.bounds[0]
         step = element.bits // 8
         for number in range(min(high - low + 1, WATCHED)):
             value = modify(element, field.data[number * step : (number + 1) * step]) if modify else ""
-            address = _address(db, element, field.offset + number * step)
+            address = absolute_address(db, element, field.offset + number * step)
             yield WatchRow(f"{name}[{low + number}]", address, shown(element), value)
 
 

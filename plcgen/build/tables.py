@@ -8,7 +8,7 @@ from plcgen.base.display.table import Row, csv_table
 from plcgen.base.display.workbook import workbook_bytes
 from plcgen.build.document import Document
 from plcgen.build.guides import guide
-from plcgen.build.nouns import TagRow, WatchRow
+from plcgen.build.nouns import Call, TagRow, WatchRow
 from plcgen.build.one_source import source_path
 from plcgen.build.overview import Overview
 from plcgen.build.sources import SourceWriter
@@ -55,6 +55,7 @@ def table_documents(project: Project, seen: Overview, sources: SourceWriter) -> 
         "foreign": list(_foreign(project)),
         "one": source_path(project) if sources.one else "",
         "main": sources.main_path,
+        "calls": [_call(call, v5=project.target.v5) for call in seen.calls],
         "order": [*order, sources.main_path],
         "closing": [part for _, behind in guides for part in behind],
     }
@@ -63,6 +64,12 @@ def table_documents(project: Project, seen: Overview, sources: SourceWriter) -> 
     view = {"project": project.name, "controls": controls, "sheets": seen.sheets}
     yield guide(project, "LAYOUT.md", "text/layout.md.j2", view)
     yield Document(ATTRIBUTES, text=_ATTRIBUTES)
+
+
+def _call(call: Call, *, v5: bool) -> str:
+    """A call as it is copied; its parameters are in the example."""
+    block = f'"{call.block}".' if v5 else ""
+    return f'{block}"{call.instance}"({".." if call.begin or call.inputs or call.outputs else ""});'
 
 
 def _sheet(path: str, header: Row, rows: Sequence[Row]) -> Document:

@@ -102,6 +102,11 @@ class Parameter:
     scale: float = 0.0
     sink: bool = False
 
+    def doubt(self, fact: Fact) -> str:
+        """How every report says that a fact was not read; empty if it was."""
+        grade = self.grades.get(fact, "read")
+        return "" if grade == "read" else f"{fact} {grade}, not read in a manual"
+
     @property
     def letter(self) -> str:
         """``r``, ``P``, or ``c`` of a sink of firmware 6."""

@@ -104,9 +104,8 @@ def _memory(shape: DriveJob, use: Use) -> str:
 
 def _doubts(parameter: Parameter) -> Iterator[str]:
     """Type and limits that were concluded or remembered, with what the catalogue says of them."""
-    grade = parameter.grades.get("type", "read")
-    if grade != "read":
-        yield f"type {parameter.type}: {grade}, not read in a manual"
+    if doubt := parameter.doubt("type"):
+        yield doubt
     least, most = parameter.doubted.get("min"), parameter.doubted.get("max")
     if least is not None or most is not None:
         grades = sorted({g for fact, g in parameter.grades.items() if fact in {"min", "max"} and g != "read"})

@@ -10,10 +10,12 @@ import pytest
 from plcgen import api
 from plcgen.ds47.plan.nouns import DrivePlan
 from plcgen.ds47.proof import published, second
+from plcgen.ds47.sheet import review_sheet
 from plcgen.oracles import documents
 from plcgen.proof.checks import Check, Outcome
 from plcgen.proof.folder import Folder
 from plcgen.proof.versions import check_versions
+from tests.projects import FAQ
 
 SPEC = """
 plc: {name: a, sources: per_block, family: s7-1500, toolchain: tia-v19}
@@ -45,9 +47,19 @@ def test_one_source_is_told(plan: DrivePlan) -> None:
     found = facts(plan)
     assert (
         found["types.sinamics-dcm"].verdict
-        == "1 of 2 types: a second source agrees; one source: P50301; inferred, not read in a manual: P50301"
+        == "1 of 2 types: a second source agrees; one source: P50301; type inferred, not read in a manual: P50301"
     )
     assert found["types.sinamics-s120"].verdict == "2 of 2 types: a second source agrees"
+
+
+def test_a_type_that_a_second_source_agrees_with_is_still_told_to_be_inferred() -> None:
+    """P50304 is no row of the manual that was read, and a FAQ writes it as 08h: verify and review say so alike."""
+    project = api.check(FAQ).project
+    assert project is not None
+    doubt = "type inferred, not read in a manual"
+    plan = project.plan(DrivePlan)
+    assert facts(plan)["types.sinamics-dcm"].verdict == f"2 of 2 types: a second source agrees; {doubt}: P50304"
+    assert [entry.doubts[0] for entry in review_sheet(plan).writes] == [doubt]
 
 
 @pytest.mark.parametrize(

@@ -87,10 +87,13 @@ def _type_check(plan: DrivePlan, key: str, pairs: Sequence[tuple[PlannedDrive, U
     if single:
         shown = [single[number] for number in sorted(single)]
         verdict += f"; one source: {', '.join(shown[:_SHOWN])}{', ..' if len(shown) > _SHOWN else ''}"
-    graded = {use.parameter.pnu for _, use in pairs if use.parameter.grades.get("type", "read") == "inferred"}
-    if inferred := {number: label for number, label in single.items() if number in graded}:
-        shown = [inferred[number] for number in sorted(inferred)]
-        verdict += f"; inferred, not read in a manual: {', '.join(shown[:_SHOWN])}{', ..' if shown[_SHOWN:] else ''}"
+    doubted: dict[str, dict[int, str]] = {}
+    for _, use in pairs:
+        if doubt := use.parameter.doubt("type"):
+            doubted.setdefault(doubt, {})[use.parameter.pnu] = use.label.partition("[")[0]
+    for doubt, labels in sorted(doubted.items()):
+        shown = [labels[number] for number in sorted(labels)]
+        verdict += f"; {doubt}: {', '.join(shown[:_SHOWN])}{', ..' if shown[_SHOWN:] else ''}"
     text = "; ".join(dict.fromkeys(one.source for one in second.values()))
     return _agreement(id_, subject, text, verdict, wrong)
 

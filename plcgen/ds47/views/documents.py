@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
-from plcgen.build.members import plain
+from plcgen.build.members import absolute_address, plain
 from plcgen.build.nouns import Contribution, DataBlock, FunctionBlock, GuidePart, TypeBlock
 from plcgen.ds47 import guards, hardware
 from plcgen.ds47.effects import UNCLASSIFIED
@@ -111,6 +111,7 @@ def _identifiers(plan: DrivePlan) -> dict[str, Any]:
         "what": "address" if classic else "identifier",
         "drives": rows,
         "controls": [caller.control.name for caller in plan.callers],
+        "named": any(job.trigger.items() for job in plan.jobs),
         "classic": classic,
         "error_obs": list(_error_obs(plan.target)),
         "on_profinet": ambiguous,
@@ -139,8 +140,10 @@ def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
         notes.append(f"restored while the drive runs, too; signed off: {restores.reason}")
     elif restores is not None:
         notes.append("restored if the job fails and the drive does not run")
-    if use.parameter.grades.get("type", "read") != "read":
-        notes.append(f"type {use.parameter.grades['type']}, not read in a manual")
+    if use.constant and not use.bits and job.pinned:
+        notes.append(_held(job, use))
+    if doubt := use.parameter.doubt("type"):
+        notes.append(doubt)
     return {
         "job": job.block.name,
         "drive": job.drive.key,
@@ -150,6 +153,19 @@ def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
         "note": "; ".join(notes),
         "safety": use.parameter.pnu in guards.SAFETY,
     }
+
+
+def _held(job: DriveJob, use: Use) -> str:
+    """Where a constant lies that is part of a request in a data block: what is there at run time is sent."""
+    requests = [one.request for one in job.telegrams]
+    db, field = next(
+        (request.db, field)
+        for request in requests
+        for field in request.fields
+        if request.db is not None and field.role == "value" and field.part and field.part.use.position == use.position
+    )
+    where = absolute_address(db, field.type, field.offset)
+    return f"start value. A run sends what {db.name}.{field.name} ({where}) holds"
 
 
 def _service_rows(plan: DrivePlan, job: DriveJob, permitted: Permitted) -> Iterator[dict[str, Any]]:

@@ -39,6 +39,7 @@ def program(plan: DrivePlan, job: DriveJob, instances: Sequence[DriveJob]) -> Fu
         commands=tuple(command(plan, one, label) for one in instances),
         telegrams=[
             f"request `{telegram.request.data.hex(' ').upper()}` (LEN {len(telegram.request.data)}), "
+            f"its reference (byte 0) new in every run, "
             f"good answer {telegram.positive_length} bytes, longest answer {telegram.response.size} bytes"
             for telegram in job.telegrams
         ],

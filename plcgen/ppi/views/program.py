@@ -364,6 +364,7 @@ def contribution(plan: PpiPlan) -> Contribution:
 def _guide(plan: PpiPlan) -> tuple[list[GuidePart], list[GuidePart]]:
     speeds = sorted({master.baud for master in plan.masters})
     view = {
+        "named": any(job.trigger.items() for job in plan.jobs),
         "controls": [plan.control_db.name],
         "masters": [
             {"block": master.block.name, "module": MODULES[master.module], "baud": master.baud, "port": master.port}

@@ -24,6 +24,7 @@ GUIDE, DOCUMENTS = "IMPORT.md", "xml/IMPORT.md"
 _RULE = re.compile(r"\|(?:-+:?\|)+|```\w*|")
 _BAR = re.compile(r"(?<!\\)\|")
 _STEP = re.compile(r"\d+\. `+ ?(?P<path>[^`]+?) ?`+")
+_CALL = re.compile(r'^[ \t]*(?P<called>"[^"\n]+"(?:\."[^"\n]+")?)\((?P<end>\);)?', re.MULTILINE)
 CULTURES = {"en": "en-US", "de": "de-DE", "zh": "zh-CN", "fr": "fr-FR", "it": "it-IT", "es": "es-ES"}
 """What the TIA Portal calls a language of which a spec says only the first part."""
 
@@ -77,9 +78,10 @@ def _steps(project: Project, folder: Path, stated: Sequence[Wording]) -> Iterato
     """What is done in which order, with the files that there are."""
     form = project.loaded.spec.plc.sources
     source = next((path.name for path in sorted(folder.glob("*.scl"))), "")
+    calls = ", ".join(f"`{call}`" for call in _calls(folder))
     if project.target.v5:
         blocks = "".join(f"{name}, " for one in stated for name in one.system_blocks)
-        yield from _said(f"v5_{form}", blocks=blocks, source=source)
+        yield from _said(f"v5_{form}", blocks=blocks, source=source, calls=calls)
         return
     steps = [form, f"main_{form}"]
     if (folder / "tags.csv").is_file():
@@ -88,7 +90,15 @@ def _steps(project: Project, folder: Path, stated: Sequence[Wording]) -> Iterato
     made = sorted(folder.glob("xml/*Tags.xml"))
     table = made[0].name if made else f"{project.prefix}{stated[0].tag_table}.xml"
     for number, step in enumerate([*steps, *(["openness"] if version is not None else [])], 1):
-        yield from _said(step, n=number, table=table, version=version, source=source)
+        yield from _said(step, n=number, table=table, version=version, source=source, calls=calls)
+
+
+def _calls(folder: Path) -> Iterator[str]:
+    """The calls that the example has, without their parameters."""
+    for path in (folder / "example/Main.scl", folder / "scl/Main.scl"):
+        if path.is_file():
+            for found in _CALL.finditer(path.read_text("utf-8-sig", "replace")):
+                yield f"{found['called']}({'' if found['end'] else '..'});"
 
 
 def _foreign(project: Project) -> Iterator[str]:

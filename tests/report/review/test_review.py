@@ -32,7 +32,7 @@ def test_the_write_list_says_what_the_spec_says():
     assert (entry.job, entry.partners, entry.parameter) == ("write_ramp_down", ("dcm",), "P50304")
     assert (entry.value, entry.input, entry.limits, entry.unit) == ("100.0", False, "", "s")
     assert (entry.trigger, entry.danger) == ("M150.0", "")
-    assert [doubt.split(":")[0] for doubt in entry.doubts] == ["type FloatingPoint", "limits 0 .. 650"]
+    assert [doubt.split(":")[0] for doubt in entry.doubts] == ["type inferred, not read in a manual", "limits 0 .. 650"]
     assert "not read in a manual" in show("html", faq_review())
 
 

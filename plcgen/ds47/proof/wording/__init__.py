@@ -366,7 +366,7 @@ class DriveWording:
             data = telegram.request.data
             good, longest = lengths(data, telegram_values(job, number))
             room = max(longest, telegram.pinned or 0)
-            asked = f"request `{data.hex(' ').upper()}` (LEN {len(data)})"
+            asked = f"request `{data.hex(' ').upper()}` (LEN {len(data)}), its reference (byte 0) new in every run"
             found.append(frozenset({f"{asked}, good answer {good} bytes, longest answer {room} bytes"}))
         return found
 

@@ -50,7 +50,9 @@ def guide_before(plan: DrivePlan) -> list[GuideLine]:
     found += [] if plan.target.classic else _said("constant")
     found += _said("record_47") if RECORD_47 in used and not plan.target.classic else []
     found += _errors(plan.target)
-    found += _said("jobs", controls=", ".join(f"`{one.control.name}`" for one in plan.callers))
+    named = sentences()["guide"]["named"] if any(job.trigger.items() for job in plan.jobs) else ""
+    controls = ", ".join(f"`{one.control.name}`" for one in plan.callers)
+    found += [line + named for line in _said("jobs", controls=controls)]
     found += [] if plan.target.v5 else _said("by_name")
     if served := [job for job in plan.jobs if job.serves]:
         jobs = ", ".join(f'`"{job.caller.control.name}".{job.member}`' for job in served)
@@ -148,9 +150,23 @@ def _notes(plan: DrivePlan, stated: Stated, job: DriveJob, use: Use) -> Iterator
         signed = f", too; signed off: {restores.reason}"
         runs = "restored if the job fails and the drive does not run"
         yield f"restored while the drive runs{signed}" if restores.reason else runs
+    if use.constant and not use.bits and job.pinned:
+        yield _held(job, use)
     grade = use.parameter.grades.get("type", "read")
     if grade != "read":
         yield f"type {grade}, not read in a manual"
+
+
+def _held(job: DriveJob, use: Use) -> str:
+    """The member of the request that has the value, by its first byte and its width."""
+    for telegram in job.telegrams:
+        request = telegram.request
+        for field in request.fields:
+            if field.role == "value" and field.part is not None and field.part.use.position == use.position:
+                letter = {1: "B", 2: "W", 4: "D"}.get(field.size, "B") if field.part.count == 1 else "B"
+                at, name = f"DB{request.home.number}.DB{letter}{field.offset}", request.db.name if request.db else ""
+                return f"start value. A run sends what {name}.{field.name} ({at}) holds"
+    return ""
 
 
 def says_value(job: DriveJob, use: Use, text: str) -> bool:

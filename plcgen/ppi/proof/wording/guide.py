@@ -36,6 +36,7 @@ LEAST_GAP_MS = 4
 def guide_before(plan: PpiPlan) -> list[GuideLine]:
     """Modules with their settings, numbers of data blocks, what is written."""
     where = "hardware identifier" if plan.target.t15 else "address"
+    named = sentences()["guide"]["named"] if any(job.trigger.items() for job in plan.jobs) else ""
     found = [
         "## PPI masters",
         *(
@@ -43,7 +44,7 @@ def guide_before(plan: PpiPlan) -> list[GuideLine]:
             for one in plan.masters
         ),
         *_module(plan),
-        *_said("jobs", controls=f"`{plan.control_db.name}`"),
+        *(line + named for line in _said("jobs", controls=f"`{plan.control_db.name}`")),
         *([] if plan.target.v5 else _said("by_name")),
     ]
     writes = [line for master in plan.masters for line in _writes(master)]
