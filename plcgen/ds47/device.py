@@ -102,11 +102,6 @@ class Parameter:
     scale: float = 0.0
     sink: bool = False
 
-    def doubt(self, fact: Fact) -> str:
-        """How every report says that a fact was not read; empty if it was."""
-        grade = self.grades.get(fact, "read")
-        return "" if grade == "read" else f"{fact} {grade}, not read in a manual"
-
     @property
     def letter(self) -> str:
         """``r``, ``P``, or ``c`` of a sink of firmware 6."""
@@ -126,6 +121,12 @@ class Parameter:
         known = {self.grades.get(fact, "read") for fact in facts}
         shown = [words for grade, words in _DOUBTS.items() if grade in known]
         return f" ({' and '.join(shown)}, not read in a manual)" if shown else ""
+
+    @property
+    def type_note(self) -> str:
+        """How every report says that the type was not read; empty if it was."""
+        grade = self.grades.get("type", "read")
+        return "" if grade == "read" else f"type {grade}, not read in a manual"
 
 
 def counts(value: float, scale: float) -> float:

@@ -104,7 +104,7 @@ def _memory(shape: DriveJob, use: Use) -> str:
 
 def _doubts(parameter: Parameter) -> Iterator[str]:
     """Type and limits that were concluded or remembered, with what the catalogue says of them."""
-    if doubt := parameter.doubt("type"):
+    if doubt := parameter.type_note:
         yield doubt
     least, most = parameter.doubted.get("min"), parameter.doubted.get("max")
     if least is not None or most is not None:

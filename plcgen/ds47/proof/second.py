@@ -89,7 +89,7 @@ def _type_check(plan: DrivePlan, key: str, pairs: Sequence[tuple[PlannedDrive, U
         verdict += f"; one source: {', '.join(shown[:_SHOWN])}{', ..' if len(shown) > _SHOWN else ''}"
     doubted: dict[str, dict[int, str]] = {}
     for _, use in pairs:
-        if doubt := use.parameter.doubt("type"):
+        if doubt := use.parameter.type_note:
             doubted.setdefault(doubt, {})[use.parameter.pnu] = use.label.partition("[")[0]
     for doubt, labels in sorted(doubted.items()):
         shown = [labels[number] for number in sorted(labels)]

@@ -142,7 +142,7 @@ def _write_row(plan: DrivePlan, job: DriveJob, use: Use) -> dict[str, Any]:
         notes.append("restored if the job fails and the drive does not run")
     if use.constant and not use.bits and job.pinned:
         notes.append(_held(job, use))
-    if doubt := use.parameter.doubt("type"):
+    if doubt := use.parameter.type_note:
         notes.append(doubt)
     return {
         "job": job.block.name,
