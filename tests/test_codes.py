@@ -9,6 +9,8 @@ import pytest
 
 from plcgen.base.diagnostics import Severity, pages
 from plcgen.base.diagnostics.codes import all_codes, code
+from tests.test_cases import FILES
+from tests.yaml_files import read_yaml
 
 ROOT = Path(__file__).resolve().parents[1]
 _USED = re.compile(r'"(PG\d{3})"')
@@ -32,6 +34,13 @@ def test_a_spec_code_has_a_case_file() -> None:
     """PG1xx to PG4xx can all be triggered by a spec, and each has examples that are executed."""
     wanted = {code for code in all_codes() if code[2] in "1234"}
     assert {path.stem for path in (ROOT / "tests" / "cases").glob("PG[1-4]??.yaml")} == wanted
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_the_page_names_the_severities_that_cases_have(path: Path) -> None:
+    """Who reads "error" on the page of a code is not shown a warning by a check."""
+    given = {case.get("severity", "error") for case in read_yaml(path.read_text("utf-8"))["fail"]}
+    assert set(code(path.stem).levels.split(" or ")) == given
 
 
 def test_codes_are_in_order_and_complete() -> None:

@@ -85,7 +85,7 @@ def _diagnostic(code: str) -> Page | None:
     except KeyError:
         return None
     sections = (("Why", info.why), ("Fix", info.fix), ("Wrong", info.bad), ("Right", info.good))
-    return Page(code, f"{info.severity.label}: {info.title}", sections)
+    return Page(code, f"{info.levels}: {info.title}", sections)
 
 
 def list_codes() -> list[tuple[str, str, str]]:

@@ -95,7 +95,7 @@ def explain(key: str, device: str = "") -> Page | None:
 
 def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
     """Return the requests of all jobs of a spec, or of one job, with their start values."""
-    from plcgen.base.diagnostics.suggest import did_you_mean
+    from plcgen.base.diagnostics.suggest import job_hint
     from plcgen.project.opening import open_spec
 
     opened = open_spec(Path(spec))
@@ -105,7 +105,7 @@ def encode(spec: Path | str, job: str | None = None) -> EncodeResult:
     jobs = [planned for planned in project.jobs if job in {None, planned.key}]
     if not jobs:
         names = [planned.key for planned in project.jobs]
-        hint = f"{did_you_mean(job or '', names)} jobs of this spec: {', '.join(names)}".strip()
+        hint = job_hint(job or "", names)
         span = project.loaded.key_span(("jobs",))
         unknown = Diagnostic("PG703", f'the spec has no job "{job}"', span, help=hint)
         return EncodeResult((), (*opened.diagnostics, unknown))

@@ -155,6 +155,9 @@ def _read(files: Sequence[SourceFile], found: Converted, *, classic: bool, encod
             blocks, problems = read_source(file.path, dialect, encoding=encoding, constants=whole, keep=kept.append)
             codes |= {place: code for result in kept for place, code in _codes(result)}
             problems = [problem for problem in problems if not _about_encoding(problem)]
+            if not classic and any(problem.code == "PG803" for problem in problems):
+                _, other = read_source(file.path, Dialect.TIA_300_400, encoding=encoding, constants=whole)
+                problems = [_of_classic(problem, other) for problem in problems]
         found.diagnostics += [_without_value(problem) for problem in problems if problem.code != "PG814"]
         places = [block.span or Span(str(file.path)) for block in blocks]
         read += [_Read(block, place, file.form, file.is_xml) for block, place in zip(blocks, places, strict=True)]
@@ -169,6 +172,13 @@ def _codes(result: ParseResult) -> Iterator[tuple[Span, tuple[Tokens, int]]]:
         if stop > begin >= 0 and not unit.networks:  # theirs is shifted to the left, for each network by itself
             code = text.source[begin:stop]
             yield text.span(unit.start, unit.start + len(unit.keyword)), (text, begin + code.index(trim_code(code)))
+
+
+def _of_classic(problem: Diagnostic, other: Sequence[Diagnostic]) -> Diagnostic:
+    """A construct that only S7-1200/1500 refuse, with the option for sources of the others."""
+    if problem.code != "PG803" or any(each.code == "PG803" and each.span == problem.span for each in other):
+        return problem
+    return replace(problem, help="; ".join(filter(None, (problem.help, "for sources of an S7-300/400: --classic"))))
 
 
 def _without_value(problem: Diagnostic) -> Diagnostic:

@@ -61,7 +61,14 @@ TRIGGER_SCHEMA = {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/Trigger"}, {"t
 
 def short_item(key: str) -> BeforeValidator:
     """Widens what names one thing: ``P50`` to ``{key: P50}``."""
-    return BeforeValidator(lambda value: {key: value} if isinstance(value, str) else value)
+
+    def widen(value: object) -> object:
+        if key == "parameter" and type(value) is int:
+            help_ = f"write r{value}, or P{value} if it can be written"
+            raise problem(f"{value} is a number without its letter", code="PG203", help_=help_)
+        return {key: value} if isinstance(value, str) else value
+
+    return BeforeValidator(widen)
 
 
 ONE_OR_MORE = BeforeValidator(lambda value: (value,) if isinstance(value, str) else value)

@@ -69,6 +69,20 @@ def test_wrong_arguments(plcgen, arguments, start):
     assert result.err.startswith(start)
 
 
+def test_a_job_on_several_drives_is_named_with_each(plcgen, tmp_path):
+    """The key of the spec names no job then: the help names those there are, and not all of the others."""
+    spec = tmp_path / "two.yaml"
+    drives = "fan1: {device: sinamics-g120, hardware_id: 270}, fan2: {device: sinamics-g120, hardware_id: 271}"
+    jobs = "keep_ramps: {drive: [fan1, fan2], write: {P1120: 5.0}}, other: {drive: fan1, read: [r21]}"
+    head = "plc: {name: a, family: s7-1500, toolchain: tia-v19}"
+    spec.write_text(f"{head}\ndrives: {{{drives}}}\njobs: {{{jobs}}}\n", "utf-8")
+    told = plcgen("simulate", spec, "--job", "keep_ramps")
+    assert (told.code, told.out) == (2, "")
+    assert told.err.endswith("= help: it is on several drives: keep_ramps.fan1, keep_ramps.fan2\n")
+    assert plcgen("generate", spec).code == 0
+    assert plcgen("simulate", spec, "--job", "keep_ramps.fan1", "--job", "keep_ramps.fan2").code == 0
+
+
 def test_own_source_that_does_not_compile(plcgen, tmp_path):
     """Every error of the user's file at its place, exit code 1, no traceback."""
     path = tmp_path / "own.scl"

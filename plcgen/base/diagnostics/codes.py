@@ -13,16 +13,24 @@ from plcgen.base.diagnostics.model import Severity
 
 @dataclass(frozen=True, slots=True)
 class CodeInfo:
-    """One code. ``bad`` and ``good`` are short examples in ``language`` (yaml, scl, text, xml, sh)."""
+    """One code. ``also`` is the severity that some cases have instead. ``bad`` and ``good`` are short examples in
+    ``language`` (yaml, scl, text, xml, sh).
+    """
 
     code: str
     title: str
     why: str
     fix: str
     severity: Severity
+    also: Severity | None
     bad: str
     good: str
     language: str
+
+    @property
+    def levels(self) -> str:
+        """``error``, or ``error or warning`` where it depends on the case."""
+        return self.severity.label if self.also is None else f"{self.severity.label} or {self.also.label}"
 
     @property
     def page(self) -> str:
@@ -57,6 +65,7 @@ def _table() -> dict[str, CodeInfo]:
             why=entry["why"],
             fix=entry["fix"],
             severity=Severity[entry.get("severity", "error").upper()],
+            also=Severity[entry["also"].upper()] if "also" in entry else None,
             bad=entry["bad"].strip("\n"),
             good=entry["good"].strip("\n"),
             language=entry.get("language", "yaml"),

@@ -16,7 +16,7 @@ def page(info: CodeInfo) -> str:
         [
             f"# {info.code}: {info.title}",
             "",
-            f"Severity: {info.severity.label}. Area: {AREAS[info.code[2]].lower()}. [All codes]({INDEX})",
+            f"Severity: {info.levels}. Area: {AREAS[info.code[2]].lower()}. [All codes]({INDEX})",
             "",
             "## Why",
             "",
@@ -50,7 +50,7 @@ def index() -> str:
     for digit, area in AREAS.items():
         lines += [f"## {area}", "", "| code | meaning | severity |", "|---|---|---|"]
         lines += [
-            f"| [{info.code}]({info.page}) | {info.title} | {info.severity.label} |"
+            f"| [{info.code}]({info.page}) | {info.title} | {info.levels} |"
             for info in map(code, all_codes())
             if info.code[2] == digit
         ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from functools import cached_property
 
 _LEAST = 3
@@ -114,3 +114,11 @@ def one_letter_wrong(word: str, meant: str) -> bool:
         return word[at + 1 :] == meant[at:]
     swapped = word[at : at + 2] == meant[at : at + 2][::-1] and word[at + 2 :] == meant[at + 2 :]
     return word != meant and (word[at + 1 :] == meant[at + 1 :] or swapped)
+
+
+def job_hint(name: str, known: Collection[str]) -> str:
+    """Which jobs there are where ``name`` is none: those of that name on several drives, else near ones, and all."""
+    of_drives = [key for key in known if key.startswith(f"{name}.")]
+    if of_drives:
+        return f"it is on several drives: {', '.join(of_drives)}"
+    return f"{did_you_mean(name, known)} jobs of this spec: {', '.join(known)}".strip()

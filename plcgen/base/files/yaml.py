@@ -101,6 +101,7 @@ _S7 = re.compile(r"(?:(?:B|W|DW|L|BYTE|WORD|DWORD)#)?(16|8|2)#([0-9A-Fa-f_]+)\Z"
 _WORDS: dict[str, Scalar] = {"": None, "~": None, "null": None, "Null": None, "NULL": None}
 _WORDS |= dict.fromkeys(("true", "True", "TRUE"), True) | dict.fromkeys(("false", "False", "FALSE"), False)
 
+_COMMA = (re.compile(r"[-+]?[0-9]+,[0-9]+\Z"), "a decimal comma is read as text", "write a decimal point")
 _TRAPS: tuple[tuple[re.Pattern[str], str, str], ...] = (
     (
         re.compile(r"(?i:yes|no|on|off)\Z"),
@@ -127,7 +128,7 @@ _TRAPS: tuple[tuple[re.Pattern[str], str, str], ...] = (
         "no drive parameter is infinite or not a number",
         "write a finite number",
     ),
-    (re.compile(r"[-+]?[0-9]+,[0-9]+\Z"), "a decimal comma is read as text", "write a decimal point"),
+    _COMMA,
 )
 
 
@@ -222,6 +223,9 @@ class _Builder:
             self.merge(parent, node)
             return
         name = key.raw
+        if key.plain and not key.raw.strip("0123456789") and node.plain and not node.raw and _after_comma(parent, key):
+            self.error("PG108", f"ambiguous value: {_COMMA[1]}", key.span, _COMMA[2])
+            return
         earlier = parent.pairs.get(name)
         if earlier is not None and earlier[0].value is not _MERGED:
             self.error(
@@ -290,6 +294,13 @@ class _Builder:
             self.report.raise_on_errors()
         self.grow(self.sizes.get(id(node), 1), span)
         self.place(node)
+
+
+def _after_comma(parent: YamlNode, key: YamlNode) -> bool:
+    """Whether digits without a value follow a whole number and a comma: ``{a: 5,0}`` is a 5 and a key 0 to YAML."""
+    if not parent.pairs or key.span.line != (last := next(reversed(parent.pairs.values()))[1]).span.end_line:
+        return False
+    return bool(last.plain and _INT.match(last.raw)) and key.span.column == (last.span.end_column or 0) + 1
 
 
 _MERGED = "\0merged"

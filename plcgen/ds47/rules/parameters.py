@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from plcgen.ds47.plan.access import Use
     from plcgen.ds47.plan.nouns import DriveJob, DrivePlan
 
+_KINDS = {105: "activate: true", 971: "save: drive_object", 977: "save: unit"}
+"""The kind of job for what a write of a number starts."""
 _OPAQUE = frozenset({"BinaryDate", "TimeOfDay", "TimeDifferenceWithDate"})
 
 
@@ -91,7 +93,7 @@ def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
             "PG219",
             f"writing {_title(use.parameter)}{of_drive(plan, job)} needs a sign-off: {reason}",
             parameter_span(plan, use),
-            help=f"if this is intended, add {key}: {{{use.parameter.label}: why}} to the job",
+            help=f"if this is intended, add {key}: {{{use.parameter.label}: why}} to the job{_job_of(pnu)}",
         )
     for job in plan.shapes:
         spec = plan.entry(job)
@@ -109,6 +111,10 @@ def dangerous(plan: DrivePlan) -> Iterator[Diagnostic]:
                         Severity.WARNING,
                         help=f"remove it from {key}",
                     )
+
+
+def _job_of(pnu: int) -> str:
+    return f"; or let a job of its own kind do it, which needs no sign-off: {_KINDS[pnu]}" if pnu in _KINDS else ""
 
 
 def _service(plan: DrivePlan, job: DriveJob) -> Iterator[Diagnostic]:

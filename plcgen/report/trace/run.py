@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Literal, cast
 
 from plcgen.base.diagnostics import Diagnostic, DiagnosticError, Report, Span
-from plcgen.base.diagnostics.suggest import did_you_mean
+from plcgen.base.diagnostics.suggest import job_hint
 from plcgen.base.files.options import usage
 from plcgen.project.composing import from_disk
 from plcgen.project.includes import Read
@@ -120,8 +120,7 @@ def _chosen(recordings: Sequence[Recording], names: Sequence[str], spec: Path) -
         raise usage(str(spec), "there is no job to simulate", "plcgen verify runs the jobs of every protocol")
     for name in names:
         if name not in known:
-            text = f"{did_you_mean(name, known)} jobs of this spec: {', '.join(known)}".strip()
-            raise usage(f"--job {name}", f'the spec has no job "{name}"', text)
+            raise usage(f"--job {name}", f'the spec has no job "{name}"', job_hint(name, known))
     return [(number, key) for key, number in known.items() if not names or key in names]
 
 
