@@ -51,10 +51,10 @@ def test_a_source_of_a_classic_cpu_is_told_the_option(tmp_path: Path) -> None:
     """What only an S7-1200/1500 refuses names --classic, and with it the source is converted."""
     text = 'FUNCTION "F" : VOID\nVAR_INPUT\n  d : BLOCK_DB;\nEND_VAR\nVAR_TEMP\n  w : WORD;\nEND_VAR\n'
     files = put(tmp_path, f_scl=f"{text}BEGIN\n  #w := BLOCK_DB_TO_WORD(#d);\nEND_FUNCTION\n")
-    told = [one for one in plcgen.convert(*files, to="xml").diagnostics if one.code == "PG803"]
+    told = [one for one in plcgen.convert(*files, to="xml", out=tmp_path / "no").diagnostics if one.code == "PG803"]
     assert told
     assert all(one.help.endswith("for sources of an S7-300/400: --classic") for one in told)
-    assert plcgen.convert(*files, to="xml", classic=True).ok
+    assert plcgen.convert(*files, to="xml", out=tmp_path / "xml", classic=True).ok
 
 
 @pytest.mark.slow
