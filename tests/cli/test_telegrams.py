@@ -287,8 +287,8 @@ def test_encode_a_spec_and_decode_it_again(plcgen, good):
 @pytest.mark.parametrize(
     ("key", "title"),
     [
-        ("PG209", "PG209  error: "),
-        ("pg209", "PG209  error: "),
+        ("PG209", "PG209  error or warning: "),
+        ("pg209", "PG209  error or warning: "),
         ("0x11", "11h  DS47 error number: request cannot be executed because of the operating state"),
         ("11h", "11h  DS47 error number: "),
         ("16#0011", "11h  DS47 error number: "),
