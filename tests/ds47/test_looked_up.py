@@ -19,7 +19,7 @@ def known(row: dict[str, str]) -> object:
     """What the catalogue says of a fact."""
     device = find_device(row["device"])
     fact, _, number = row["fact"].partition(" ")
-    if fact in {"title", "reaction", "acknowledge"}:
+    if row["parameter"][0].isupper():
         kind, text = row["parameter"][0], int(row["parameter"][1:])
         said_of = {getattr(one, fact) for one in messages.find(text, device.messages, kind)}
         return row["value"] if row["value"] in said_of else said_of
