@@ -171,6 +171,8 @@ FIXES = [
         HEAD + JOB.replace("P1120: 10.0", "P970: 1"),
         HEAD + JOB.replace("P1120: 10.0", "P970: 1").replace("    drive", "    allow: {P970: }\n    drive"),
     ),
+    ("PG226", HEAD + JOB.replace("P1120: 10.0", "P1082: "), None),
+    ("PG226", HEAD + JOB.replace("P1120: 10.0", "1082: "), None),
     ("PG108", HEAD.replace("name: Plant", "name: no") + JOB, HEAD.replace("name: Plant", 'name: "no"') + JOB),
 ]
 
@@ -182,6 +184,8 @@ def test_fixes(desk: Desk, code: str, wrong: str, right: str | None) -> None:
     found = [one for one in desk.workspace.diagnostics(document) if one.diagnostic.code == code]
     made = [edited(wrong, fix.edits) for one in found for fix in one.fixes]
     assert right in made if right is not None else True
+    assert wrong not in made
+    assert code != "PG226" or (found and not made), "a start value is for the user to choose"
 
 
 def test_a_fix_never_makes_it_worse(desk: Desk) -> None:

@@ -83,7 +83,7 @@ def _wholes(specs: Specs, part: Document) -> Sequence[Document]:
 
 _MEANT = re.compile(r'\Adid you mean "([^"]+)"\?')
 _QUOTED = re.compile(r'"([^"]+)"|\b(\S+) is not')
-_WRITE = re.compile(r"\Awrite (\[[^\]]*\]|[a-z_0-9]+(?=: keys)|[A-Za-z]+[0-9]+(?:\[[0-9.]+\])?(?=\Z|,|:))")
+_WRITE = re.compile(r"\Awrite (\[[^\]]*\]|[a-z_0-9]+(?=: keys)|[A-Za-z]+[0-9]+(?:\[[0-9.]+\])?(?=\Z|,|: the ))")
 
 
 def fixes_of(diagnostic: Diagnostic, document: Document) -> Iterator[Fix]:
@@ -96,7 +96,7 @@ def fixes_of(diagnostic: Diagnostic, document: Document) -> Iterator[Fix]:
         if edit is not None:
             yield Fix(f'replace it with "{meant[1]}"', (edit,))
     written = _WRITE.match(help_)
-    if written is not None and text:
+    if written is not None and text not in {"", written[1]}:
         yield Fix(f"write {written[1]}", (Edit(place, written[1]),))
     if help_ == "remove the quotes" and text[:1] in {'"', "'"} and text[-1:] == text[:1]:
         yield Fix("remove the quotes", (Edit(place, text[1:-1]),))
