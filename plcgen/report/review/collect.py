@@ -86,6 +86,7 @@ def _collect(request: ReviewRequest, base: BaseFiles | None, progress: Progress 
         missing=tuple(missing),
         planned=project is not None,
         language=project.languages[0][:2].lower() if project is not None else "en",
+        made_now=request.home not in {None, request.folder},
     )
 
 

@@ -93,7 +93,8 @@ class Review:
     ``spec_hash`` covers the files that the spec has ``included``; ``base`` names what was compared with, empty if
     nothing was; ``changes`` are comparisons, each with a title; ``lock`` is the comparison of the lock with the
     sources; ``missing`` are sentences about what is not there; ``planned`` is whether the spec could be planned;
-    ``language`` is the first one of the project, without its region.
+    ``language`` is the first one of the project, without its region; ``made_now`` is whether the files are not those of
+    the folder on disk, which nobody has looked at.
     """
 
     spec: str
@@ -115,6 +116,7 @@ class Review:
     missing: tuple[str, ...]
     planned: bool = True
     language: str = "en"
+    made_now: bool = False
 
     @property
     def problems(self) -> tuple[Diagnostic, ...]:

@@ -92,11 +92,12 @@ def verdict(review: Review) -> str:
 
 def shown_verdict(review: Review, say: Callable[[str], str]) -> str:
     """The verdict in a language, with the names of what was not run."""
+    apart = f"; {say('made from the spec now: the folder on disk was not looked at')}" if review.made_now else ""
     if not review.ok or not review.not_run:
-        return say(verdict(review))
+        return f"{say(verdict(review))}{apart}"
     left = [clean(check.subject) for check in review.not_run]
     names = f"{', '.join(left[:_SUBJECTS])}{', ..' if left[_SUBJECTS:] else ''}"
-    return f"{say('in order as far as it was run')}, {len(left)} {say('not run')}: {names}"
+    return f"{say('in order as far as it was run')}, {len(left)} {say('not run')}: {names}{apart}"
 
 
 def said_in(language: str, label: str) -> str:

@@ -15,7 +15,7 @@ from typing import Any
 from plcgen.api import GenerateResult, default_folder
 from plcgen.base.diagnostics import Severity
 from plcgen.base.files.files import read_bounded
-from plcgen.base.files.hashes import same_text
+from plcgen.base.files.hashes import has_digest, same_text
 from plcgen.build.environment import RenderedFile
 from plcgen.build.rendering import render_project
 from plcgen.build.writing import file_diff
@@ -25,7 +25,7 @@ from plcgen.project.nouns import Project
 from plcgen.report.review.collect import sheet_of
 from plcgen.report.review.data import sheet_data
 from plcgen.report.review.excerpts import excerpts
-from plcgen.s7.read.generated import MANIFEST
+from plcgen.s7.read.generated import MANIFEST, known_files
 from plcgen.s7.read.text import decode_source
 from plcgen.s7.tables.tables import PanelTag
 from plcgen.workbench.serve.room import digest
@@ -112,12 +112,18 @@ def panel(made: Made) -> dict[str, Any]:
 
 
 def listed(made: Made, spec: Path) -> list[dict[str, Any]]:
-    """Every file and how it stands to the one on disk."""
-    folder = default_folder(spec)
-    return [
-        {"path": name, "bytes": len(file.data), "state": _state(file, _on_disk(folder, name))}
-        for name, file in made.files.items()
-    ]
+    """Every file and how it stands to the one on disk; ``foreign`` is one that is not as plcgen wrote it."""
+    folder, found = default_folder(spec), []
+    try:
+        known = known_files(_on_disk(folder, MANIFEST) or b"{}")
+    except ValueError:
+        known = {}
+    for name, file in made.files.items():
+        old = _on_disk(folder, name)
+        state = _state(file, old)
+        foreign = state == "changed" and old is not None and not has_digest(old, known.get(name, ""))
+        found.append({"path": name, "bytes": len(file.data), "state": state, "foreign": foreign})
+    return found
 
 
 def shown(made: Made, spec: Path, name: str) -> dict[str, Any] | None:

@@ -23,10 +23,13 @@ from plcgen.report.review.model import ReviewRequest
 from plcgen.workbench.serve.becomes import Made
 from plcgen.workbench.serve.working import Progress
 
+_WITHOUT_WIRESHARK = (
+    re.compile(r"only with --oracle tshark"), "Wireshark decodes telegrams from the command line only",
+)  # fmt: skip
 _ON_THE_PAGE = (
     (re.compile(r"generate again with --force"), "overwrite it with Write files"),
     (re.compile(r"run plcgen generate( once more| first)?"), "write the files: button Write files"),
-    (re.compile(r"only with --oracle tshark"), "Wireshark decodes telegrams from the command line only"),
+    _WITHOUT_WIRESHARK,
     (re.compile(r"compare this place with docs/\S+\.md(; )?|docs/\S+\.md says .*"), ""),
 )
 """Commands and options of the command line, and what does the same here."""
@@ -64,6 +67,7 @@ def verified(spec: Typed, folder: Path, faults: Faults, progress: Progress) -> d
     """Verify, and name the scenarios of each check that failed."""
     found = verify(Asked(spec.path, folder, faults=faults, read=spec.read), progress)
     data = verification_data(found)
+    data["stale"] = any(one.code == "PG504" for one in found.problems)
     data["diagnostics"] = [{**one, "help": on_the_page(one["help"])} for one in data["diagnostics"]]
     for group, shown in zip(found.groups, data["groups"], strict=True):
         for check, row in zip(group.checks, shown["checks"], strict=True):
@@ -106,5 +110,7 @@ def reviewed(spec: Typed, folder: Path, base: str, progress: Progress) -> dict[s
     page = shipped_format("html").render("review", found, PLAIN)
     for private in (folder.parent, spec.path.parent):  # the page is handed on
         page = page.replace(f"{private.as_posix()}/", "")
-    page = page.replace("--against ", "")
+    field = "Vergleichen mit" if found.language == "de" else "Compare with"
+    page = page.replace("<code>--against</code>", f"<b>{field}</b>").replace("--against ", "")
+    page = _WITHOUT_WIRESHARK[0].sub(_WITHOUT_WIRESHARK[1], page)
     return {"page": page, "ok": found.ok, "name": f"{spec.path.stem}_review.html"}

@@ -31,7 +31,7 @@ _TITLE = re.compile(r"\w[\w .()-]{0,59}\Z")
 def _name(given: Given, place: str) -> str:
     key = given.get("key", "").strip()
     if not _NAME.match(key):
-        raise wrong(place, f'"{key}" is no name', "up to 24 letters, digits and _, a letter first")
+        raise wrong(place, f'"{key}" is no name', "up to 24 letters (no umlauts), digits and _, a letter first")
     return key
 
 

@@ -204,11 +204,11 @@ def test_telegrams_are_those_of_the_faq(folder: Path, server: Server) -> None:
 def test_files_tell_how_they_differ_from_the_disk(folder: Path, server: Server) -> None:
     """New before they are written, as on disk after it; one edit makes a difference in the files it concerns."""
     asked = now(folder, FAQ)
-    assert {one["state"] for one in server.told("becomes", asked)["files"]} == {"new"}
+    assert {one["state"] for one in server.told("becomes", now(folder, FAQ))["files"]} == {"new"}
     known = server.told("read", {"name": FAQ})["known"]
     written = server.told("write", {**asked, "known": known})
     assert (written["ok"], written["folder"]) == (True, "s7-300_6ra80_dp_tia_generated")
-    assert {one["state"] for one in server.told("becomes", asked)["files"]} == {"same"}
+    assert {one["state"] for one in server.told("becomes", now(folder, FAQ))["files"]} == {"same"}
     edited = now(folder, FAQ, "P50304: 100.0", "P50304: 50.0")
     states = {one["path"]: one["state"] for one in server.told("becomes", edited)["files"]}
     (changed,) = [path for path, state in states.items() if state == "changed" and path.endswith(".scl")]
@@ -233,6 +233,9 @@ def test_a_file_that_was_edited_is_not_overwritten(folder: Path, server: Server)
     asked["known"] = server.told("write", asked)["known"]
     (file,) = (folder / "s7-300_6ra80_dp_tia_generated").glob("*.scl")
     file.write_text("mine", "utf-8")
+    shown = {one["path"]: (one["state"], one["foreign"]) for one in server.told("becomes", now(folder, FAQ))["files"]}
+    assert [name for name, (_, foreign) in shown.items() if foreign] == [file.name]
+    assert shown["IMPORT.md"] == ("same", False)
     done = server.told("write", {**asked, "text": asked["text"].replace("100.0", "50.0")})
     assert (done["ok"], [one["code"] for one in done["problems"] if one["severity"] == "error"]) == (False, ["PG502"])
     assert file.read_text("utf-8") == "mine"
@@ -377,6 +380,25 @@ def test_verification_of_an_edited_file_names_buttons_not_commands(folder: Path,
     assert not found["ok"]
     assert "Write files" in said
     assert not [command for command in ("--force", "run plcgen", "--oracle") if command in said]
+
+
+def test_verification_of_an_older_folder_says_so_first(folder: Path, server: Server) -> None:
+    """Files on disk of another state of the spec: PG504 leads; as they are made now they are of this one.
+
+    Their difference is the spec's, not that of somebody who edited them.
+    """
+    asked = now(folder, FAQ)
+    server.told("write", {**asked, "known": server.told("read", {"name": FAQ})["known"]})
+    later = {**asked, "text": asked["text"].replace("100.0", "50.0")}
+    assert later != asked
+    files = server.told("becomes", later)["files"]
+    assert [one["path"] for one in files if one["state"] == "changed"]
+    assert [one["path"] for one in files if one["foreign"]] == []
+    for given, stale in (
+        ({**asked, "origin": "disk"}, False), ({**later, "origin": "disk"}, True), ({**later, "origin": "made"}, False),
+    ):  # fmt: skip
+        server.told("verify", {**given, "faults": "none"})
+        assert done(server)["result"]["stale"] == stale
 
 
 def test_a_panel_begins_with_the_jobs(folder: Path, server: Server) -> None:
@@ -706,7 +728,14 @@ def test_a_review_is_a_page_of_its_own(folder: Path, server: Server) -> None:
     assert (answer.status, "Review of" in answer.text) == (200, True)
     assert answer.headers["content-security-policy"].startswith("sandbox ")
     assert "bench/" not in answer.text
+    looked = "the folder on disk was not looked at"
+    assert looked in answer.text.partition("</h1>")[0]
+    assert not [command for command in ("--against", "--oracle") if command in answer.text]
     assert server.get(f"/{TOKEN}/made/{number + 1}").status == 404
+    asked = now(folder, FAQ)
+    server.told("write", {**asked, "known": server.told("read", {"name": FAQ})["known"]})
+    server.told("review", {**asked, "origin": "disk"})
+    assert looked not in server.get(f"/{TOKEN}/made/{done(server)['result']['page']}").text
 
 
 def packed(*paths: Path) -> dict[str, str]:

@@ -66,7 +66,7 @@ export function verifyTab(desk, source) {
     const outcomes = Object.entries(found.summary).map(([name, count]) => h("span", { class: `chip o-${name}` }, `${count} ${word(`o_${name}`)}`));
     const left = found.groups.flatMap((group) => group.checks).filter((one) => one.outcome === "not run");
     const problems = found.diagnostics.filter((one) => one.severity !== "note");
-    fill(body, h("p", { class: "verdict" }, h("b", { class: found.ok ? "good" : "bad" }, found.ok ? "\u2713 ok" : `\u2717 ${word("o_error")}`), " ", `${[found.project, found.target].filter(Boolean).join(", ")} `, outcomes),
+    fill(body, found.stale ? h("p", { class: "bad", id: "stale" }, word("staleFolder")) : null, h("p", { class: "verdict" }, h("b", { class: found.ok ? "good" : "bad" }, found.ok ? "\u2713 ok" : `\u2717 ${word("o_error")}`), " ", `${[found.project, found.target].filter(Boolean).join(", ")} `, outcomes),
       h("p", { class: "quiet", id: "verified-files" }, word(asked.origin === "made" ? "madeOnly" : "diskOnly")),
       left.length ? h("details", { id: "left-out" }, h("summary", {}, `${left.length} ${word("o_not_run")}: ${word("notRun")}`),
         h("ul", {}, left.map((one) => h("li", {}, h("b", {}, one.subject), ` ${one.text} `, h("span", { class: "quiet" }, one.verdict === "not asked for" ? word("notAsked") : one.verdict))))) : null,

@@ -10,6 +10,7 @@ export async function writeFiles(desk, written) {
   const made = await attempt(() => ask("becomes", desk.now));
   if (!made) return;
   const count = (kind) => made.files.filter((one) => one.state === kind).length;
+  const foreign = made.files.filter((one) => one.foreign).length;
   const dialog = $("#dialog");
   const go = async (overwrite) => {
     dialog.close();
@@ -34,7 +35,7 @@ export async function writeFiles(desk, written) {
   fill(dialog, h("h2", {}, word(desk.dirty ? "writeAsk" : "writeAskSaved")),
     h("dl", {}, h("dt", {}, word("spec")), h("dd", {}, h("code", {}, made.spec)),
       h("dt", {}, word("folder")), h("dd", {}, h("code", {}, made.path)),
-      h("dt", {}, word("files")), h("dd", {}, `${count("new")} ${word("new")}, ${count("changed")} ${word("changed")}, ${count("same")} ${word("same")}`)),
+      h("dt", {}, word("files")), h("dd", {}, `${count("new")} ${word("new")}, ${count("changed")} ${word("changed")}${foreign ? ` (${foreign} ${word("foreign")})` : ""}, ${count("same")} ${word("same")}`)),
     h("p", { class: "quiet" }, word("writeRule")),
     h("form", { method: "dialog", class: "buttons" },
       h("button", { class: "main", type: "button", id: "write-now", onclick: () => go({}) }, word("writeNow")),

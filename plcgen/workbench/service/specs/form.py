@@ -61,7 +61,9 @@ def put_in(state: SpecState, what: str, given: Given) -> tuple[Edit, ...]:
 def _key(state: SpecState, given: Given) -> str:
     key = given.get("key", "").strip()
     if not _NAME.match(key):
-        raise refused(state.document.file, f'"{key}" is no name', "up to 24 letters, digits and _, a letter first")
+        raise refused(
+            state.document.file, f'"{key}" is no name', "up to 24 letters (no umlauts), digits and _, a letter first"
+        )
     return key
 
 
