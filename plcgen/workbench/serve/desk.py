@@ -360,7 +360,7 @@ class Desk:
             "problems": [spec.problem_data(one, self.room.shown) for one in done.diagnostics],
             "folder": self.room.shown(done.folder.as_posix()),
             "path": str(done.folder),
-            "guide": becomes.guide(done.folder) if done.ok else "",
+            "guide": proving.on_the_page(becomes.guide(done.folder)) if done.ok else "",
             "written": list(done.written),
             "unchanged": len(done.unchanged),
             "removed": list(done.removed),

@@ -30,6 +30,9 @@ _ON_THE_PAGE = (
     (re.compile(r"generate again with --force"), "overwrite it with Write files"),
     (re.compile(r"run plcgen generate( once more| first)?"), "write the files: button Write files"),
     _WITHOUT_WIRESHARK,
+    (re.compile(r", choose another --out, or overwrite with --force|, or choose another --out"), ""),
+    (re.compile(r"plcgen catalogue show WORD --device \S+ searches"), "the form beside the text searches"),
+    (re.compile("`plcgen layout`"), "**Panel**"),
     (re.compile(r"compare this place with docs/\S+\.md(; )?|docs/\S+\.md says .*"), ""),
 )
 """Commands and options of the command line, and what does the same here."""

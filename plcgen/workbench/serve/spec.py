@@ -8,6 +8,7 @@ from typing import Any
 
 from plcgen.base.diagnostics import Diagnostic, Span
 from plcgen.ds47.registry import kinds as known_kinds
+from plcgen.workbench.serve.proving import on_the_page
 from plcgen.workbench.serve.room import Room
 from plcgen.workbench.service.documents import Document as Opened
 from plcgen.workbench.service.positions import from_units, to_units
@@ -24,7 +25,7 @@ def problem_data(diagnostic: Diagnostic, rename: Callable[[str], str] = str) -> 
         "code": diagnostic.code,
         "severity": diagnostic.severity.label,
         "message": diagnostic.message,
-        "help": diagnostic.help,
+        "help": on_the_page(diagnostic.help),
         "file": "" if diagnostic.span.file.startswith("--") else rename(diagnostic.span.file),  # an option: no file
         "line": diagnostic.span.line,
         "column": diagnostic.span.column,
@@ -48,7 +49,7 @@ def findings(room: Room, document: Opened, found: Iterable[Finding]) -> list[dic
                 document.lines, one.diagnostic.span if one.diagnostic.span.file == document.file else Span("")
             ),
             "reason": one.reason,
-            "remedy": one.remedy,
+            "remedy": on_the_page(one.remedy),
             "fixes": [{"title": fix.title, "edits": edits(document, fix.edits)} for fix in one.fixes],
         }
         for one in sorted(found, key=lambda one: (-one.diagnostic.severity, one.diagnostic.sort_key))

@@ -6,6 +6,7 @@ import base64
 import hashlib
 import io
 import json
+import re
 import shutil
 import subprocess
 import time
@@ -399,6 +400,31 @@ def test_verification_of_an_older_folder_says_so_first(folder: Path, server: Ser
     ):  # fmt: skip
         server.told("verify", {**given, "faults": "none"})
         assert done(server)["result"]["stale"] == stale
+
+
+def test_what_the_page_says_names_no_commands(folder: Path, server: Server) -> None:
+    """The guide after writing; the remedy of a parameter that a drive lacks, and of a folder that is no one's to write:
+    buttons and views of the page, no options of a shell.
+    """
+    asked = now(folder, PUMP)
+    known = server.told("read", {"name": PUMP})["known"]
+    guide = server.told("write", {**asked, "known": known})["guide"]
+    assert "addresses that **Panel** prints" in " ".join(guide.split())
+    lacking = (
+        "plc: {name: a, family: s7-1500, toolchain: tia-v19}\n"
+        "drives: {d: {device: sinamics-s210, hardware_id: 270}}\njobs: {j: {drive: d, write: {P3981: 1}}}\n"
+    )
+    found = [
+        one for one in server.told("check", {"name": "a.yaml", "text": lacking})["findings"] if one["code"] == "PG262"
+    ]
+    assert "the form beside the text searches" in found[0]["remedy"]
+    (source,) = (folder / "s7-1500_g120_pn_generated").glob("*.scl")
+    source.unlink()
+    source.mkdir()
+    problems = server.told("write", {**asked, "known": known})["problems"]
+    assert [one["code"] for one in problems if one["severity"] == "error"] == ["PG501"]
+    said = json.dumps([guide, found, problems])
+    assert not re.findall(r"--(?:out|force|device)|plcgen (?:layout|generate|catalogue)", said)
 
 
 def test_a_panel_begins_with_the_jobs(folder: Path, server: Server) -> None:
