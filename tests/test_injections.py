@@ -79,8 +79,8 @@ def accepted(stem: str, text: str, path: Path) -> int:
     return sum(spelled in line for line in lines)
 
 
-_FREE = re.compile(r"^(\s*(?:TITLE =|REGION)).*", re.MULTILINE)
-"""What the compiler reads to the end of the line."""
+_FREE = re.compile(r"^(\s*(?:TITLE =|REGION|NAME :)).*", re.MULTILINE)
+"""What the compiler reads to the end of the line, and the hash of all of it."""
 
 
 def shape(name: str, data: bytes) -> list[object]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import re
 from collections.abc import Iterator
 
@@ -70,7 +71,7 @@ def _header(block: Block, folder: Folder, stated: Wording) -> Iterator[str]:
 
 def _own_hash(block: Block, source: str) -> Iterator[str]:
     """NAME: H and the first seven digits of the SHA-256 of all lines of the block but NAME and VERSION, as UTF-8."""
-    lines = source[: source.index("END_FUNCTION_BLOCK")].splitlines()
+    lines = itertools.takewhile(lambda line: line != "END_FUNCTION_BLOCK", source.splitlines())
     kept = [line for line in lines if not line.startswith(("NAME :", "VERSION :"))]
     digest = hashlib.sha256("\n".join([*kept, "END_FUNCTION_BLOCK", ""]).encode()).hexdigest()
     right, name = f"H{digest[:7].upper()}", block.attributes.get("NAME", "").strip("'")

@@ -53,7 +53,7 @@ DAMAGE = {
     # what another job has left in the unit, the drive object of another instance, the answer of a neighbour
     (SEQUENCE, "SetUp", "dropped: #unit.expected[1]", 2): "what is expected of P10 in telegram",
     (SEQUENCE, "SetUp", "dropped: #statRequest2.driveObject", 1): "instance near addresses drive object 2 instead of 3",
-    (SEQUENCE, "Release", "3 -> 4: IF #diagnosis.errors[3]", 1): "p2 is",
+    (SEQUENCE, "Release", "3 -> 4: IF #diagnosis.errors[3]", 1): "r2 is",
 }
 """Spec, file, beginning and turn of a mutant, and what is said about it."""
 
