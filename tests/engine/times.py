@@ -29,8 +29,9 @@ class ChannelTimes:
         self.draining: int | None = None
         self.heard = 0
         """Record calls that the drive had answered behind the last call."""
+        self.served = 0
         self.early = False
-        """Whether what was last done for the job was done before its timeout."""
+        """Whether the last telegram of the job ended before its timeout."""
 
     def forget(self) -> None:
         """The CPU has started again: nobody knows what its blocks have counted."""
@@ -63,10 +64,10 @@ class ChannelTimes:
         if self.granted is None:
             return
         passed = self.clock - self.granted
-        if not HOLD < before < DRAIN:
-            return  # in DRAIN and behind it the result is settled, however long that lasts
-        self.early = passed < self.scenario.timeout
-        if passed >= self.scenario.timeout and self.state not in {DRAIN, HOLD}:
+        served, self.served = self.served, self.unit.get("turn.served")
+        if before != DRAIN and (self.state == DRAIN or self.served != served):
+            self.early = passed < self.scenario.timeout  # what comes in DRAIN and behind it changes no result
+        if HOLD < before < DRAIN and passed >= self.scenario.timeout and self.state not in {DRAIN, HOLD}:
             raise ScenarioError(f"{passed} ms after the start, at a timeout of {self.scenario.timeout}, it goes on")
 
     def check_end(self, status: int) -> None:
