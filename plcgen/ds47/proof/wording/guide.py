@@ -19,6 +19,7 @@ from plcgen.project.target import Target
 from plcgen.proof.folder import plain
 from plcgen.proof.wording.languages import title_in
 from plcgen.proof.wording.model import GuideLine
+from plcgen.s7.types.data_types import Elementary
 
 OUTPUT, RECORD_47 = 0x8000, 47
 """Bit 15 of the ID of an output address, and of the data records of PROFINET; the data record of PROFIBUS."""
@@ -163,7 +164,7 @@ def _held(job: DriveJob, use: Use) -> str:
         request = telegram.request
         for field in request.fields:
             if field.role == "value" and field.part is not None and field.part.use.position == use.position:
-                letter = {1: "B", 2: "W", 4: "D"}.get(field.size, "B") if field.part.count == 1 else "B"
+                letter = {1: "B", 2: "W", 4: "D"}.get(field.size, "B") if isinstance(field.type, Elementary) else "B"
                 at, name = f"DB{request.home.number}.DB{letter}{field.offset}", request.db.name if request.db else ""
                 return f"start value. A run sends what {name}.{field.name} ({at}) holds"
     return ""
