@@ -345,6 +345,8 @@ class UseResolver:
         for sure, (low, high) in zip((True, False), ends, strict=True):
             if not isinstance(value, bool | int | float) or not _beyond(value, low, high):
                 continue
+            if low is not None and high is not None and low > high:
+                continue  # no value is within: PG107 says so at the limits
             of = parameter.scale or 1.0
             unit = f" {parameter.unit.removeprefix(f'{of:g} ' if parameter.scale else '')}" if parameter.unit else ""
             ends_text = (limit_text(None if end is None else end * of) for end in (low, high))
