@@ -41,6 +41,9 @@ UNLIKE = 'P43000: {type: Unsigned64}, P43001: {type: Integer16}, P43002: {type: 
 SPECS: dict[str, dict[str, Any]] = {
     "inputs of an odd number of bytes for data blocks of their own": spec(S400, ODD, OWN),
     "the same in STEP 7 V5": spec(V5, ODD, OWN),
+    "a text of one octet in a data block of its own": spec(
+        S300, 'P43000: {type: "VisibleString[1]"}', "jobs: {j: {drive: a, write: {P43000: a}, buffers: db}}"
+    ),
     **{
         f"several Booleans for a data block of their own, {plc}": spec(
             plc, "P43000: {type: Boolean}", 'jobs: {j: {drive: a, write: {"P43000[1..3]": null}, buffers: db}}'
