@@ -176,7 +176,8 @@ def _start(task: object) -> _Worker:
         stdout=subprocess.PIPE,
         start_new_session=True,  # Ctrl-C is for the parent: it could meet an interpreter that is not ready to ignore it
     )
-    assert process.stdin is not None and process.stdout is not None  # noqa: PT018 - they are pipes
+    assert process.stdin is not None  # both are pipes
+    assert process.stdout is not None
     worker = _Worker(process.stdin, process.stdout, process.kill, process.wait)
     with contextlib.suppress(BrokenPipeError):  # it has ended already: the first piece says so
         pickle.dump(sys.path, worker.pieces)

@@ -210,7 +210,9 @@ def _exchange(plan: DrivePlan, folder: Folder, job: DriveJob, telegram: DriveTel
     """Send the image, fetch the answer, read it back through the declared members."""
     answer = talk(job, request_image(plan, folder, job, telegram), drive)
     if answer[1] & 0x80:
-        if job.serves:  # the number is an input: not every drive object has the one that it begins with
+        has = drive.objects[job.drive.drive_object].parameters
+        if job.serves and not any(part.use.parameter.pnu in has for part in telegram.parts):
+            # the number is an input: not every drive object has the one that it begins with, and says 00h then
             return f"{_short(answer.hex(' ').upper())}  {_refusals(telegram, answer)}"
         raise ExchangeError("PG606", f"the drive answered {_refusals(telegram, answer)}")
     if len(answer) != telegram.positive_length:

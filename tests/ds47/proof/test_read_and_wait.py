@@ -8,7 +8,7 @@ import pytest
 
 from plcgen import api
 from plcgen.ds47.plan.nouns import DrivePlan
-from tests.ds47.proof.playing import noticed
+from tests.ds47.proof.playing import noticed, told_of
 
 SPEC = """plc: {name: Plant, family: s7-1500, toolchain: tia-v19}
 drives: {a: {device: sinamics-s120, hardware_id: 270, drive_object: 3}}
@@ -51,4 +51,4 @@ DAMAGE = {
 def test_damage_is_noticed(damage: str, tmp_path: Path) -> None:
     """One change of a source, and verify is red."""
     found = noticed(tmp_path, SPEC, *DAMAGE[damage])
-    assert any(one.code in {"PG620", "PG621", "PG641"} and one.message.startswith("j: ") for one in found)
+    assert told_of("j", found)

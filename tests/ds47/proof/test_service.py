@@ -10,7 +10,7 @@ from plcgen import api
 from plcgen.ds47.proof.plant import Plant
 from plcgen.ds47.sim.parameters import SimulatedParameter
 from plcgen.ds47.wire.formats import by_name
-from tests.ds47.proof.playing import job_of, noticed, sent, status_of
+from tests.ds47.proof.playing import job_of, noticed, sent, status_of, told_of
 
 SPEC = """
 units:
@@ -121,4 +121,4 @@ jobs: {look: {drive: a, service: read}}
 """,
         *DAMAGE[damage],
     )
-    assert any(one.code in {"PG620", "PG621", "PG641"} and one.message.startswith("look: ") for one in found)
+    assert told_of("look", found)

@@ -11,7 +11,7 @@ from plcgen import api
 from plcgen.ds47.proof.plant import Plant
 from plcgen.ds47.sim.parameters import SimulatedParameter
 from plcgen.ds47.wire.formats import Value, by_name
-from tests.ds47.proof.playing import ended, job_of, noticed, sent
+from tests.ds47.proof.playing import ended, job_of, noticed, sent, told_of
 
 SPEC = """
 drives:
@@ -81,7 +81,7 @@ jobs: {look: {drive: a, read: [r42051]}}
 """,
         *DAMAGE[damage],
     )
-    assert any(one.code in {"PG620", "PG621", "PG641"} and one.message.startswith("look: ") for one in found)
+    assert told_of("look", found)
 
 
 def test_what_is_written_has_the_type_of_the_family(tmp_path: Path) -> None:
